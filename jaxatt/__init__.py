@@ -1,0 +1,1 @@
+"""Differentiable spacecraft attitude simulation and batched trajectory optimisation in JAX."""

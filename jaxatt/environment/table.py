@@ -1,0 +1,109 @@
+"""The environment along the orbit, tabulated at the Runge-Kutta stage times.
+
+The control does not change the orbit, so this is done once a manoeuvre and shared by all starts.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.environment import frames, kepler, orbit
+from jaxatt.environment.sinusoidal import sinusoidal_torque
+
+_STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
+
+
+class Environment(NamedTuple):
+    """Environment at one instant, or at many with leading axes.
+
+    orbit_rate : (..., 3) [rad/s], omega_io in orbit axes.
+    gradient : (...) [1/s^2], 3 mu / r^3; zero where the gravity gradient is switched off.
+    disturbance : (..., 3) [N m], external torque in body axes that depends on time only.
+    """
+
+    orbit_rate: Array
+    gradient: Array
+    disturbance: Array
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class EnvironmentTable:
+    """Environment of N intervals of S Runge-Kutta substeps each.
+
+    stages : Environment with leading axes (N, S, 4), the four stage times of every substep.
+    nodes : Environment with leading axis (N + 1,).
+    substep : () [s].
+    """
+
+    stages: Environment
+    nodes: Environment
+    substep: Array
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Surroundings:
+    """Orbit and known disturbances.
+
+    elements : Keplerian elements at time zero.  mu : () [m^3/s^2].
+    gravity_gradient : () 0 or 1, whether the gravity gradient torque acts (4.11).
+    sine_amplitude : () [N m] and sine_frequency : () [rad/s] of the sinusoidal torque (4.12).
+    """
+
+    elements: kepler.KeplerianElements
+    mu: Array
+    gravity_gradient: Array
+    sine_amplitude: Array
+    sine_frequency: Array
+
+
+def environment_at(surroundings: Surroundings, time: Array) -> Environment:
+    """Environment at the given times, `time` of any shape [s] after the epoch of the elements."""
+    position, velocity = kepler.to_state(surroundings.elements, surroundings.mu)
+    position, velocity = orbit.propagate(position, velocity, time, surroundings.mu)
+    radius = jnp.linalg.norm(position, axis=-1)
+    return Environment(
+        frames.omega_io(position, velocity),
+        surroundings.gravity_gradient * 3.0 * surroundings.mu / radius**3,
+        sinusoidal_torque(time, surroundings.sine_amplitude, surroundings.sine_frequency),
+    )
+
+
+def tabulate(
+    surroundings: Surroundings, start: float, step: float, intervals: int, substeps: int
+) -> EnvironmentTable:
+    """Tabulate the environment of a roll-out.
+
+    start : [s] time of the first node.  step : [s] length of one of the `intervals`.
+    """
+    half = step / (2 * substeps)
+    grid = start + half * jnp.arange(2 * substeps * intervals + 1)
+    values = jax.jit(environment_at)(surroundings, grid)
+    first = 2 * np.arange(intervals * substeps).reshape(intervals, substeps)
+    stages = first[..., None] + np.asarray(_STAGE_OFFSETS)
+    nodes = 2 * substeps * np.arange(intervals + 1)
+    return EnvironmentTable(
+        jax.tree.map(lambda leaf: leaf[stages], values),
+        jax.tree.map(lambda leaf: leaf[nodes], values),
+        jnp.asarray(2 * half),
+    )
+
+
+def coarsen(table: EnvironmentTable, intervals: int, substeps: int) -> EnvironmentTable:
+    """The first `intervals` of a table at fewer `substeps`, a divisor of those it has."""
+    ratio = table.stages.gradient.shape[1] // substeps
+
+    def pick(leaf: Array) -> Array:
+        fine = leaf[:intervals].reshape(intervals, substeps, ratio, *leaf.shape[2:])
+        middle = fine[:, :, ratio // 2, 0] if ratio % 2 == 0 else fine[:, :, ratio // 2, 1]
+        return jnp.stack([fine[:, :, 0, 0], middle, middle, fine[:, :, -1, 3]], axis=2)
+
+    nodes = jax.tree.map(lambda leaf: leaf[: intervals + 1], table.nodes)
+    return EnvironmentTable(jax.tree.map(pick, table.stages), nodes, table.substep * ratio)

@@ -1,0 +1,356 @@
+"""Augmented Lagrangian for one start; `jax.vmap` makes it many.
+
+The loop is flat: every pass evaluates the constraints and derivatives once, decides whether the
+inner minimisation has ended (then multipliers, penalty and smoothing are updated on the spot) and
+takes one inner step.  Under `vmap` no start therefore waits for another's inner loop, only for the
+last start to end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import optax
+from jax import Array, lax
+
+from jaxatt.optimize.gauss_newton import LocalModel
+from jaxatt.problems.program import Program
+from jaxatt.optimize.status import Status
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Schedule:
+    """Settings of a solve; all are traced, so changing one does not recompile.
+
+    tolerance : on constraint violation and on scaled stationarity.
+    penalty, penalty_growth, penalty_limit : penalty of the constraints, its growth where the
+        violation does not shrink, and its ceiling.
+    stage_penalty : initial penalty of the stage inequalities.
+    smoothing_start, smoothing_end, smoothing_factor : continuation of the objective's smoothing;
+        it shrinks whenever an inner minimisation ends.
+    max_inner : steps after which an inner minimisation ends in any case.
+    max_iterations : total number of inner steps.
+    update_multipliers : 0 for a pure penalty method, as a homotopy wants it; 1 otherwise.
+    """
+
+    tolerance: float = 1e-7
+    penalty: float = 1e4
+    penalty_growth: float = 10.0
+    penalty_limit: float = 1e8
+    stage_penalty: float = 1e2
+    smoothing_start: float = 0.1
+    smoothing_end: float = 1e-4
+    smoothing_factor: float = 0.3
+    max_inner: int = 6
+    max_iterations: int = 60
+    update_multipliers: float = 1.0
+
+
+class Multipliers(NamedTuple):
+    """Multipliers of the equalities (m,), inequalities (p,) and stage inequalities (N, q)."""
+
+    equality: Array
+    inequality: Array
+    stage: Array
+
+
+class Solution(NamedTuple):
+    """Where a start ended.
+
+    x : (N, b).  objective : () at the final smoothing.  status : () a `Status`.
+    violation : () largest constraint violation at x.  stationarity : () scaled norm of the
+    Lagrangian's gradient where it was last evaluated (at x if the status is CONVERGED).
+    multipliers : see `Multipliers`.  iterations : () inner steps taken.
+    """
+
+    x: Array
+    objective: Array
+    status: Array
+    violation: Array
+    stationarity: Array
+    multipliers: Multipliers
+    iterations: Array
+
+
+class _Values(NamedTuple):
+    equality: Array
+    inequality: Array
+    stage: Array
+
+
+class _State(NamedTuple):
+    x: Array
+    inner_state: Any
+    multipliers: Multipliers
+    penalty: Array
+    stage_penalty: Array
+    smoothing: Array
+    inner_steps: Array
+    best_violation: Array
+    violation: Array
+    stationarity: Array
+    status: Array
+    iterations: Array
+
+
+_RUNNING = -1
+
+
+def _largest(values: Array) -> Array:
+    return jnp.max(jnp.abs(values), initial=0.0)
+
+
+def _evaluate(program: Program, x: Array, args: Any) -> _Values:
+    return _Values(
+        program.equality(x, args), program.inequality(x, args), program.stage_inequality(x, args)
+    )
+
+
+def _violation(program: Program, x: Array, args: Any, values: _Values) -> Array:
+    hard = jnp.isinf(jnp.broadcast_to(program.equality_weight(x, args), values.equality.shape))
+    return jnp.maximum(
+        _largest(jnp.where(hard, values.equality, 0.0)),
+        jnp.maximum(
+            _largest(jnp.minimum(values.inequality, 0.0)),
+            _largest(jnp.minimum(values.stage, 0.0)),
+        ),
+    )
+
+
+def _equality_penalty(program: Program, x: Array, args: Any, penalty: Array, rows: Array) -> Array:
+    weight = jnp.broadcast_to(program.equality_weight(x, args), rows.shape)
+    return jnp.where(jnp.isinf(weight), penalty, weight)
+
+
+def _merit(
+    program: Program,
+    x: Array,
+    args: Any,
+    values: _Values,
+    multipliers: Multipliers,
+    penalty: Array,
+    stage_penalty: Array,
+    smoothing: Array,
+) -> Array:
+    """Augmented Lagrangian (Powell, Hestenes, Rockafellar form) at evaluated constraints."""
+    weight = _equality_penalty(program, x, args, penalty, values.equality)
+    pushed = jnp.maximum(0.0, multipliers.inequality - penalty * values.inequality)
+    pushed_stage = jnp.maximum(0.0, multipliers.stage - stage_penalty * values.stage)
+    return (
+        program.objective(x, args, smoothing)
+        + jnp.sum(multipliers.equality * values.equality + 0.5 * weight * values.equality**2)
+        + jnp.sum(pushed**2 - multipliers.inequality**2) / (2.0 * penalty)
+        + jnp.sum(pushed_stage**2 - multipliers.stage**2) / (2.0 * stage_penalty)
+    )
+
+
+def _jacobian(function, x: Array) -> tuple[Array, Array]:
+    """Values (m,) and derivatives (m, N, b), by the cheaper of the two modes."""
+    rows = jax.eval_shape(function, x).shape[0]
+    if rows == 0:
+        return jnp.zeros((0,), x.dtype), jnp.zeros((0, *x.shape), x.dtype)
+    if rows <= x.size:
+        values, pullback = jax.vjp(function, x)
+        return values, jax.vmap(lambda row: pullback(row)[0])(jnp.eye(rows, dtype=x.dtype))
+    values, push = jax.linearize(function, x)
+    columns = jax.vmap(push)(jnp.eye(x.size, dtype=x.dtype).reshape(x.size, *x.shape))
+    return values, columns.T.reshape(rows, *x.shape)
+
+
+def _stage_jacobian(program: Program, x: Array, args: Any) -> tuple[Array, Array]:
+    """Stage inequalities (N, q) and their derivatives (N, q, b); row k depends on x[k] only."""
+    values, push = jax.linearize(lambda y: program.stage_inequality(y, args), x)
+    size = x.shape[1]
+    columns = [push(jnp.zeros_like(x).at[:, i].set(1.0)) for i in range(size)]
+    return values, jnp.stack(columns, axis=-1)
+
+
+def solve(
+    program: Program,
+    x0: Array,
+    args: Any,
+    schedule: Schedule,
+    inner: optax.GradientTransformationExtraArgs,
+) -> Solution:
+    """Minimise a `Program` from one start.
+
+    x0 : (N, b).  args : pytree handed to the program's functions.
+    inner : optax transformation for the inner minimisation; one that takes the keyword `model`
+    (see `gauss_newton`) gets the local curvature, others are called as optax calls them.
+
+    Nothing raises inside; the outcome is in `Solution.status`.
+    """
+    x0 = x0 * 1.0
+    dtype = x0.dtype
+    empty = jax.eval_shape(lambda x: _evaluate(program, x, args), x0)
+    zeros = Multipliers(*(jnp.zeros(leaf.shape, dtype) for leaf in empty))
+
+    def as_array(value) -> Array:
+        return jnp.asarray(value, dtype)
+
+    def body(state: _State) -> _State:
+        x = state.x
+        equality, equality_rows = _jacobian(lambda y: program.equality(y, args), x)
+        inequality, inequality_rows = _jacobian(lambda y: program.inequality(y, args), x)
+        stage, stage_rows = _stage_jacobian(program, x, args)
+        values = _Values(equality, inequality, stage)
+        free = program.free(x, args)
+        violation = _violation(program, x, args, values)
+
+        def gradient_at(multipliers, penalty, stage_penalty, smoothing):
+            weight = _equality_penalty(program, x, args, penalty, equality)
+            pushed = jnp.maximum(0.0, multipliers.inequality - penalty * inequality)
+            pushed_stage = jnp.maximum(0.0, multipliers.stage - stage_penalty * stage)
+            gradient = (
+                jax.grad(program.objective)(x, args, smoothing)
+                + jnp.einsum("m,mki->ki", multipliers.equality + weight * equality, equality_rows)
+                - jnp.einsum("m,mki->ki", pushed, inequality_rows)
+                - jnp.einsum("kq,kqi->ki", pushed_stage, stage_rows)
+            )
+            scale = jnp.maximum(
+                1.0,
+                (
+                    _largest(jnp.where(jnp.isinf(weight), 0.0, 0.0) + multipliers.equality)
+                    + _largest(pushed)
+                    + _largest(pushed_stage)
+                )
+                / 100.0,
+            )
+            return gradient * free, weight, pushed, pushed_stage, scale
+
+        gradient, *_, scale = gradient_at(
+            state.multipliers, state.penalty, state.stage_penalty, state.smoothing
+        )
+        stationarity = _largest(gradient) / scale
+        final_smoothing = state.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
+        inner_tolerance = jnp.where(
+            final_smoothing, schedule.tolerance, jnp.maximum(schedule.tolerance, 1e-2)
+        )
+        inner_minimum = stationarity <= inner_tolerance
+        finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
+        feasible = violation <= schedule.tolerance
+        converged = final_smoothing & feasible & (stationarity <= schedule.tolerance)
+
+        ended = inner_minimum | (state.inner_steps >= schedule.max_inner)
+        shrunk = (violation <= 0.25 * state.best_violation) | feasible
+        update = ended & (schedule.update_multipliers > 0)
+        hard = jnp.isinf(
+            jnp.broadcast_to(program.equality_weight(x, args), equality.shape)
+        )
+        fresh = Multipliers(
+            state.multipliers.equality + jnp.where(hard, state.penalty * equality, 0.0),
+            jnp.maximum(0.0, state.multipliers.inequality - state.penalty * inequality),
+            jnp.maximum(0.0, state.multipliers.stage - state.stage_penalty * stage),
+        )
+        multipliers = jax.tree.map(
+            lambda new, old: jnp.where(update, new, old), fresh, state.multipliers
+        )
+        grow = jnp.where(update & ~shrunk, schedule.penalty_growth, 1.0)
+        penalty = jnp.minimum(state.penalty * grow, schedule.penalty_limit)
+        stage_penalty = jnp.minimum(state.stage_penalty * grow, schedule.penalty_limit)
+        smoothing = jnp.where(
+            ended,
+            jnp.maximum(schedule.smoothing_end, state.smoothing * schedule.smoothing_factor),
+            state.smoothing,
+        )
+
+        gradient, weight, pushed, pushed_stage, _ = gradient_at(
+            multipliers, penalty, stage_penalty, smoothing
+        )
+        active = jnp.where(pushed_stage > 0, stage_penalty, 0.0)
+        model = LocalModel(
+            program.curvature(x, args, smoothing)
+            + jnp.einsum("kq,kqi,kqj->kij", active, stage_rows, stage_rows),
+            jnp.concatenate([equality_rows, inequality_rows]),
+            jnp.concatenate([weight, jnp.where(pushed > 0, penalty, 0.0)]),
+            free,
+        )
+
+        def value_fn(y: Array) -> Array:
+            return _merit(
+                program,
+                y,
+                args,
+                _evaluate(program, y, args),
+                multipliers,
+                penalty,
+                stage_penalty,
+                smoothing,
+            )
+
+        value = _merit(
+            program, x, args, values, multipliers, penalty, stage_penalty, smoothing
+        )
+        step, inner_state = inner.update(
+            gradient,
+            state.inner_state,
+            x,
+            model=model,
+            value=value,
+            grad=gradient,
+            value_fn=value_fn,
+        )
+        stop = converged | ~finite
+        iterations = state.iterations + jnp.where(stop, 0, 1)
+        status = jnp.where(
+            ~finite,
+            Status.NOT_FINITE,
+            jnp.where(converged, Status.CONVERGED, _RUNNING),
+        )
+        keep = stop
+
+        def held(new, old):
+            return jax.tree.map(lambda n, o: jnp.where(keep, o, n), new, old)
+
+        return _State(
+            held(x + step * free, x),
+            held(inner_state, state.inner_state),
+            held(multipliers, state.multipliers),
+            penalty,
+            stage_penalty,
+            held(smoothing, state.smoothing),
+            jnp.where(ended, 1, state.inner_steps + 1),
+            jnp.where(ended, jnp.minimum(state.best_violation, violation), state.best_violation),
+            violation,
+            stationarity,
+            status,
+            iterations,
+        )
+
+    def running(state: _State) -> Array:
+        return (state.status == _RUNNING) & (state.iterations < schedule.max_iterations)
+
+    infinite = jnp.asarray(jnp.inf, dtype)
+    start = _State(
+        x0,
+        inner.init(x0),
+        zeros,
+        as_array(schedule.penalty),
+        as_array(schedule.stage_penalty),
+        as_array(schedule.smoothing_start),
+        jnp.asarray(0),
+        infinite,
+        infinite,
+        infinite,
+        jnp.asarray(_RUNNING),
+        jnp.asarray(0),
+    )
+    end = lax.while_loop(running, body, start)
+    violation = _violation(program, end.x, args, _evaluate(program, end.x, args))
+    unfinished = jnp.where(
+        violation <= schedule.tolerance, Status.FEASIBLE, Status.ITERATION_LIMIT
+    )
+    status = jnp.where(end.status == _RUNNING, unfinished, end.status)
+    return Solution(
+        end.x,
+        program.objective(end.x, args, as_array(schedule.smoothing_end)),
+        status,
+        violation,
+        end.stationarity,
+        end.multipliers,
+        end.iterations,
+    )

@@ -1,0 +1,90 @@
+"""Sparse control of any system: the programme behind maximum hands-off, moving hands-off and L1.
+
+A system brings the rows that must vanish at the end, its path constraints and its control limits;
+this module adds the objective.  Nothing here knows of spacecraft.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.problems import sparsity
+from jaxatt.problems.program import Program
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class SparseArguments:
+    """Arguments of a sparse control programme.
+
+    plant : pytree of the system's own parameters.
+    weight : (N,), h_k of the moving hands-off objective (5.5); ones otherwise.
+    free : (N, b), 1 where torque is allowed: windows that forbid it and a frozen support are zeros.
+    count_scale, effort_scale : () factors of the two parts of the objective.
+    effort_map : (r, b), the quantities whose absolute values make up the L1 effort.
+    row_weight : (m,), inf for terminal rows that are constraints; the weight w of w/2 row^2 for
+        rows that belong to the printed cost.
+    """
+
+    plant: Any
+    weight: Array
+    free: Array
+    count_scale: Array
+    effort_scale: Array
+    effort_map: Array
+    row_weight: Array
+
+
+@dataclass(frozen=True)
+class SparseSystem:
+    """A controlled system, in scaled controls u (N, b).
+
+    rows : (u, plant) -> (m,), terminal and waypoint errors.
+    margins : (u, plant) -> (p,), path constraints, non-negative when satisfied.
+    stage_margins : (u, plant) -> (N, q), control limits, non-negative when satisfied.
+    turned : (plant, sign) -> plant, aimed at the target the short (1) or the long (-1) way round.
+    """
+
+    rows: Callable[[Array, Any], Array]
+    margins: Callable[[Array, Any], Array]
+    stage_margins: Callable[[Array, Any], Array]
+    turned: Callable[[Any, Array], Any] = lambda plant, sign: plant
+
+
+@functools.cache
+def sparse_program(system: SparseSystem, shared: bool) -> Program:
+    """Programme of a sparse control problem.
+
+    shared : whether all controls of an interval count as one (design 1) or each for itself
+    (designs 2 and 3, eqs. 5.14 and 5.15).
+    """
+
+    def objective(u: Array, args: SparseArguments, smoothing: Array) -> Array:
+        count = sparsity.log_count(u, args.weight, smoothing, shared)
+        effort = sparsity.absolute_effort(u @ args.effort_map.T, smoothing)
+        return args.count_scale * count + args.effort_scale * effort
+
+    def curvature(u: Array, args: SparseArguments, smoothing: Array) -> Array:
+        count = sparsity.log_count_curvature(u, args.weight, smoothing, shared)
+        effort = sparsity.absolute_effort_curvature(u @ args.effort_map.T, smoothing)
+        size = u.shape[1]
+        diagonal = jnp.eye(size, dtype=u.dtype)[None] * count[:, :, None]
+        mapped = jnp.einsum("kr,ri,rj->kij", effort, args.effort_map, args.effort_map)
+        return args.count_scale * diagonal + args.effort_scale * mapped
+
+    return Program(
+        objective=objective,
+        curvature=curvature,
+        equality=lambda u, args: system.rows(u, args.plant),
+        equality_weight=lambda u, args: args.row_weight,
+        inequality=lambda u, args: system.margins(u, args.plant),
+        stage_inequality=lambda u, args: system.stage_margins(u, args.plant),
+        free=lambda u, args: args.free,
+    )

@@ -1,0 +1,269 @@
+"""A slew of a spacecraft with reaction wheels as a task: arguments for the solver, and its judge."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.attitude import errors
+from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
+from jaxatt.problems import sparsity
+from jaxatt.problems.hands_off import SparseArguments
+from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters, slew_system
+from jaxatt.problems.task import Floats, Goal, Task, Verdict
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
+from jaxatt.simulation.momentum_model import BodyParameters
+from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+
+_LONGEST_SUBSTEP_PHASE = 0.35
+"""[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """Where a slew must end: attitude (4,), rate (3,) [rad/s] and their tolerances [rad, rad/s]."""
+
+    q_ob: Floats
+    omega_ob: Floats
+    attitude_tolerance: float
+    rate_tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """An attitude to pass: (4,), the node (1 .. N) and the tolerance [rad]."""
+
+    q_ob: Floats
+    node: int
+    tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """N control intervals of `step` [s], the coasting intervals after them, the first time [s]."""
+
+    intervals: int
+    step: float
+    coast: int
+    start_time: float
+    substeps: int | None = None
+
+
+def automatic_substeps(step: float, surroundings: Surroundings) -> int:
+    """RK4 steps an interval: one, or as many as a sinusoidal torque needs."""
+    if float(surroundings.sine_amplitude) == 0.0:
+        return 1
+    phase = step * abs(float(surroundings.sine_frequency))
+    return max(1, int(np.ceil(phase / _LONGEST_SUBSTEP_PHASE - 1e-9)))
+
+
+@jax.jit
+def _fly_many(
+    craft: Spacecraft, start: AttitudeState, wheel_torque: Array, table: EnvironmentTable
+) -> Trajectory:
+    return jax.vmap(lambda torque: fly_torque(craft, start, torque, table))(wheel_torque)
+
+
+class SlewTask(Task):
+    """One slew, or one leg of several.
+
+    craft : vehicle.  start : state at the first node.  aim, passage : what must be met.
+    axes : "body" or "wheels", the axes of the decision variables.
+    weight : (N,), h_k.  forbidden : (N,), intervals without torque.
+    """
+
+    threshold = 1e-6
+
+    def __init__(
+        self,
+        craft: Spacecraft,
+        surroundings: Surroundings,
+        start: AttitudeState,
+        aim: Aim,
+        grid: Grid,
+        goal: Goal,
+        weight: Floats,
+        forbidden: Floats,
+        passage: Passage | None = None,
+        axes: str = "body",
+    ):
+        self.craft, self.start, self.aim, self.goal = craft, start, aim, goal
+        self.grid, self.passage, self.axes = grid, passage, axes
+        self.intervals, self.step = grid.intervals, grid.step
+        substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
+        fine = substeps * int(np.ceil(MINIMUM_SUBSTEPS / substeps))
+        self.table = tabulate(
+            surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
+        )
+        self.substeps, self.flight_substeps = substeps, fine
+        wheels = craft.wheels
+        limit = np.asarray(wheels.torque_limit)
+        allocation = np.asarray(wheels.allocation)
+        if axes == "body":
+            self.scale = np.full(3, limit.max())
+            self._to_body, self._to_wheel = np.eye(3), allocation
+        else:
+            self.scale = limit
+            self._to_body, self._to_wheel = np.asarray(wheels.axes), np.eye(wheels.count)
+        self.size = len(self.scale)
+        form = SlewForm(
+            disturbed=bool(surroundings.gravity_gradient) or bool(surroundings.sine_amplitude),
+            has_waypoint=passage is not None,
+            speed_limited=bool(np.isfinite(wheels.speed_limit).any()),
+        )
+        self.system = slew_system(form)
+        if goal.terminal == "penalty":
+            self.sparsity_weight = goal.weights.sparsity
+            l1 = goal.kind == "l1"
+            # On a frozen support the effort only breaks ties of the printed cost.
+            self.effort_weight = goal.weights.sparsity * float(self.scale.max()) if l1 else 1e-4
+        self.arguments = self._arguments(weight, forbidden)
+
+    def _arguments(self, weight: Floats, forbidden: Floats) -> SparseArguments:
+        craft, start, goal = self.craft, self.start, self.goal
+        wheels = craft.wheels
+        inertia = jnp.asarray(craft.inertia)
+        reference = np.asarray(self.aim.q_ob)
+        reference = reference * (1.0 if float(reference @ np.asarray(start.q_ob)) >= 0 else -1.0)
+        passing = self.passage
+        waypoint = reference if passing is None else np.asarray(passing.q_ob)
+        waypoint = waypoint * (1.0 if float(waypoint @ np.asarray(start.q_ob)) >= 0 else -1.0)
+        momentum = total_momentum(craft, start.omega_ib, start.omega_bw)
+        plant = SlewParameters(
+            body=BodyParameters(inertia, jnp.linalg.inv(jnp.asarray(craft.inertia_without_spin))),
+            table=coarsen(self.table, self.intervals, self.substeps),
+            start=jnp.concatenate([start.q_ob, start.omega_ib, momentum]),
+            reference=jnp.asarray(reference),
+            reference_rate=jnp.asarray(self.aim.omega_ob),
+            waypoint=jnp.asarray(waypoint),
+            waypoint_node=jnp.asarray(1 if passing is None else passing.node),
+            to_body=jnp.asarray(self._to_body * self.scale),
+            to_wheels=jnp.asarray(
+                self._to_wheel * self.scale / np.asarray(wheels.torque_limit)[:, None]
+            ),
+            step=jnp.asarray(self.step),
+            wheel_speed=jnp.asarray(start.omega_bw),
+            wheel_axes=jnp.asarray(wheels.axes),
+            wheel_inertia=jnp.asarray(wheels.inertia),
+            wheel_torque=jnp.asarray(self._to_wheel * self.scale),
+            speed_limit=jnp.asarray(wheels.speed_limit),
+        )
+        effort_map = self._to_body * self.scale / self.scale.max()
+        if self.axes == "wheels":
+            # The null space of the mounting turns nothing; a little cost keeps it still.
+            effort_map = np.concatenate([effort_map, 1e-3 * np.eye(self.size)])
+        w = goal.weights
+        rows = [w.attitude / 4.0] * 3 + [2.0 * w.rate / RATE_SCALE**2] * 3
+        rows += [w.waypoint / 4.0] * (3 if passing is not None else 0)
+        soft = goal.terminal == "penalty"
+        free = np.where(np.asarray(forbidden, bool)[:, None], 0.0, np.ones((1, self.size)))
+        return SparseArguments(
+            plant=plant,
+            weight=jnp.asarray(weight),
+            free=jnp.asarray(free),
+            count_scale=jnp.asarray(1.0),
+            effort_scale=jnp.asarray(0.0),
+            effort_map=jnp.asarray(effort_map),
+            row_weight=jnp.asarray(rows if soft else np.full(len(rows), np.inf)),
+        )
+
+    def to_controls(self, u: Floats | Array) -> Floats:
+        """Torques on the wheels in the optimisation's axes [N m], within limits, thresholded."""
+        torque = np.asarray(u, float) * self.scale
+        torque = np.where(np.abs(torque) <= self.threshold, 0.0, torque)
+        relative = np.abs(torque @ self._to_wheel.T) / np.asarray(self.craft.wheels.torque_limit)
+        return np.asarray(torque / np.maximum(1.0, relative.max(axis=-1, keepdims=True)))
+
+    def from_controls(self, controls: Floats) -> Floats:
+        """Scaled variables from torques in the optimisation's axes [N m]."""
+        return np.asarray(controls / self.scale)
+
+    def wheel_torque(self, controls: Floats) -> Floats:
+        """Wheel torques (..., N, n) [N m]."""
+        return np.asarray(controls @ self._to_wheel.T)
+
+    def body_torque(self, controls: Floats) -> Floats:
+        """Torque on the wheels in body axes, (..., N, 3) [N m]."""
+        return np.asarray(controls @ self._to_body.T)
+
+    def fly(self, controls: Floats) -> Trajectory:
+        """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
+        wheel = jnp.asarray(self.wheel_torque(controls))
+        flown = _fly_many(self.craft, self.start, wheel, self.table)
+        return jax.tree.map(np.asarray, flown)
+
+    def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
+        """Errors of a flight at the end of the horizon and at the waypoint."""
+        end = self.intervals
+        found = {
+            "attitude": np.asarray(errors.angle(self.aim.q_ob, flown.q_ob[:, end])),
+            "rate": np.linalg.norm(flown.omega_ob[:, end] - self.aim.omega_ob, axis=-1),
+        }
+        tolerances = {
+            "attitude": self.aim.attitude_tolerance,
+            "rate": self.aim.rate_tolerance,
+        }
+        if self.passage is not None:
+            q = flown.q_ob[:, self.passage.node]
+            found["waypoint"] = np.asarray(errors.angle(self.passage.q_ob, q))
+            tolerances["waypoint"] = self.passage.tolerance
+        wheels = self.craft.wheels
+        excess = np.abs(self.wheel_torque(controls)) - np.asarray(wheels.torque_limit)
+        speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
+        return Verdict(
+            found,
+            tolerances,
+            np.maximum(0.0, excess.max(axis=(1, 2))),
+            np.maximum(0.0, speed.max(axis=(1, 2))),
+        )
+
+    def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
+        """Fly the torques again on the full model and judge the flights."""
+        flown = self.fly(controls)
+        return self.judge(flown, controls), self.cost(flown, controls)
+
+    def effort(self, controls: Floats) -> Floats:
+        """Sum over intervals and body axes of |tau| h, (S,) [N m s]."""
+        return np.asarray(np.abs(self.body_torque(controls)).sum(axis=(-2, -1)) * self.step)
+
+    def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
+        """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""
+        w, end = self.goal.weights, self.intervals
+        rate = flown.omega_ob[:, end] - self.aim.omega_ob
+        parts = {
+            "rate": w.rate * np.sum(rate**2, axis=-1),
+            "attitude": w.attitude
+            * np.asarray(errors.smooth_pseudo_metric(self.aim.q_ob, flown.q_ob[:, end])),
+        }
+        if self.passage is not None:
+            q = flown.q_ob[:, self.passage.node]
+            parts["waypoint"] = w.waypoint * np.asarray(
+                errors.smooth_pseudo_metric(self.passage.q_ob, q)
+            )
+        if self.goal.kind == "l1":
+            parts["l1"] = w.sparsity * np.abs(controls).sum(axis=(-2, -1))
+        else:
+            parts["sparsity"] = w.sparsity * self._support_cost(controls)
+        return parts
+
+    def _support_cost(self, controls: Floats) -> Floats:
+        xi = np.asarray(
+            sparsity.complementarity_vector(jnp.asarray(controls), self.goal.epsilon, self.shared)
+        )
+        weight = np.asarray(self.arguments.weight)
+        if not self.shared:
+            weight = weight[:, None]
+        support = weight * (1.0 - xi)
+        cost = support.reshape(len(controls), -1).sum(axis=1)
+        # Design 3 (5.15) counts 1 - (xi_1 + xi_2 + xi_3), less than design 2 by 2 an interval.
+        return cost - 2.0 * self.intervals if self.goal.design == 3 else cost
+
+    def long_way_probability(self) -> float:
+        """Half for a half turn, falling with the fourth power of the angle."""
+        angle = float(errors.angle(self.aim.q_ob, self.start.q_ob))
+        return 0.5 * (angle / np.pi) ** 4

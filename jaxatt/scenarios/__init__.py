@@ -1,0 +1,53 @@
+"""Scenarios: one TOML file for each published case, and the loader that checks them."""
+
+from jaxatt.scenarios.attitudes import quaternion_from_angles
+from jaxatt.scenarios.catalog import load, names, text, titles
+from jaxatt.scenarios.fields import ScenarioError
+from jaxatt.scenarios.loader import from_mapping, load_file, replace
+from jaxatt.scenarios.model import (
+    SPACECRAFT,
+    TOY_SYSTEMS,
+    Control,
+    Disturbances,
+    Horizon,
+    Initial,
+    Objective,
+    Orbit,
+    Scenario,
+    SolverSettings,
+    Target,
+    Waypoint,
+    Window,
+)
+from jaxatt.scenarios.vehicles import load_vehicle, vehicle_names
+from jaxatt.scenarios.windows import forbidden_mask, window_mask, window_weights
+
+__all__ = [
+    "SPACECRAFT",
+    "TOY_SYSTEMS",
+    "Control",
+    "Disturbances",
+    "Horizon",
+    "Initial",
+    "Objective",
+    "Orbit",
+    "Scenario",
+    "ScenarioError",
+    "SolverSettings",
+    "Target",
+    "Waypoint",
+    "Window",
+    "forbidden_mask",
+    "from_mapping",
+    "load",
+    "load_file",
+    "load_vehicle",
+    "names",
+    "quaternion_from_angles",
+    "replace",
+    "text",
+    "titles",
+    "vehicle_names",
+    "window_mask",
+    "window_weights",
+]

@@ -1,0 +1,100 @@
+"""From a scenario to the tasks that solve it."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.environment import KeplerianElements
+from jaxatt.environment.table import Surroundings, environment_at
+from jaxatt.problems.slew_task import Aim, Grid, Passage, SlewTask
+from jaxatt.problems.task import Goal, Task, Weights
+from jaxatt.problems.toy import ToyTask
+from jaxatt.scenarios.model import SPACECRAFT, Scenario
+from jaxatt.scenarios.windows import forbidden_mask, window_weights
+from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
+
+
+def surroundings_of(scenario: Scenario) -> Surroundings:
+    """Orbit and known disturbances of a spacecraft's scenario."""
+    orbit, disturbances = scenario.orbit, scenario.disturbances
+    assert orbit is not None
+    elements = KeplerianElements(
+        *(
+            jnp.asarray(value)
+            for value in (
+                orbit.semi_major_axis,
+                orbit.eccentricity,
+                orbit.inclination,
+                orbit.raan,
+                orbit.argument_of_periapsis,
+                orbit.true_anomaly,
+            )
+        )
+    )
+    return Surroundings(
+        elements,
+        jnp.asarray(orbit.gravitational_parameter),
+        jnp.asarray(float(disturbances.gravity_gradient)),
+        jnp.asarray(disturbances.sinusoidal_torque),
+        jnp.asarray(disturbances.sinusoidal_frequency),
+    )
+
+
+def initial_state(scenario: Scenario) -> AttitudeState:
+    """State of the spacecraft at the first node."""
+    initial = scenario.initial
+    environment = jax.jit(environment_at)(surroundings_of(scenario), jnp.asarray(0.0))
+    return at_relative_rate(
+        jnp.asarray(initial.q_ob), jnp.asarray(initial.omega_ob), initial.omega_bw, environment
+    )
+
+
+def goal_of(scenario: Scenario) -> Goal:
+    """What the scenario minimises."""
+    o = scenario.objective
+    weights = Weights(o.rate_weight, o.attitude_weight, o.sparsity_weight, o.waypoint_weight)
+    return Goal(o.kind, o.terminal, o.design, o.epsilon, weights)
+
+
+def build_task(scenario: Scenario, leg: int = 0, start: AttitudeState | None = None) -> Task:
+    """Task of one leg of a scenario.
+
+    leg : index into `scenario.targets`.  start : state where the leg begins, by default the
+    scenario's own; successive legs hand over the flown end of the one before.
+    """
+    horizon, target, goal = scenario.horizon, scenario.targets[leg], goal_of(scenario)
+    if scenario.system != SPACECRAFT:
+        return ToyTask(
+            scenario.system,
+            scenario.initial.state,
+            target.state,
+            horizon.intervals,
+            horizon.step,
+            scenario.control.limit,
+            target.state_tolerance,
+            goal,
+            horizon.substeps or 4,
+        )
+    assert scenario.vehicle is not None
+    passing = scenario.waypoint
+    moving = goal.kind == "moving-l0"
+    return SlewTask(
+        craft=scenario.vehicle,
+        surroundings=surroundings_of(scenario),
+        start=initial_state(scenario) if start is None else start,
+        aim=Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
+        grid=Grid(
+            horizon.intervals,
+            horizon.step,
+            horizon.coast_intervals,
+            leg * horizon.duration,
+            horizon.substeps,
+        ),
+        goal=goal,
+        weight=window_weights(scenario) if moving else np.ones(horizon.intervals),
+        forbidden=forbidden_mask(scenario),
+        passage=None if passing is None else Passage(passing.q_ob, passing.node, passing.tolerance),
+        axes=scenario.control.axes,
+    )

@@ -1,0 +1,167 @@
+"""Typed reading of one TOML table, with messages that say what is allowed and how to mend it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NoReturn
+
+import numpy as np
+
+from jaxatt.scenarios.schema import nearest, unit_of, unknown_key_mend
+from jaxatt.spacecraft.checks import Float64
+
+
+class ScenarioError(ValueError):
+    """A scenario that cannot be used: names file, table, key and value, and how to mend it."""
+
+
+def shown(value: Any) -> str:
+    """Return a TOML-like text of a value, shortened."""
+    if isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, str):
+        text = f'"{value}"'
+    else:
+        text = str(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."
+
+
+class Table:
+    """One table of a scenario file; unknown keys are refused at once.
+
+    Parameters
+    ----------
+    data : object
+        What the file holds under this name.
+    origin : str
+        The file, for messages.
+    label : str
+        The table as messages show it, e.g. ``"[horizon]"``; empty at the top of the file.
+    keys : tuple of str
+        The keys it may hold.
+    """
+
+    def __init__(self, data: Any, origin: str, label: str, keys: tuple[str, ...]) -> None:
+        self.origin = origin
+        self.label = label
+        name = label.strip("[]").split("]")[0]
+        if not isinstance(data, dict):
+            raise ScenarioError(
+                f"{origin}: {label}: {shown(data)} is not a table; write [{name}] on a line of its "
+                "own and its keys below"
+            )
+        self.data: dict[str, Any] = data
+        for key, value in data.items():
+            if key not in keys:
+                kind = "unknown table" if isinstance(value, dict) else "unknown key"
+                self.fail(key, kind, unknown_key_mend(name, key, keys))
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.data
+
+    def where(self, key: str) -> str:
+        """Return file, table and key as messages begin."""
+        return f"{self.origin}: {self.label} {key}" if self.label else f"{self.origin}: {key}"
+
+    def fail(self, key: str, problem: str, mend: str) -> NoReturn:
+        """Raise a `ScenarioError` about a key."""
+        value = self.data.get(key)
+        stated = key in self.data and not isinstance(value, dict)
+        assigned = f" = {shown(value)}" if stated else ""
+        raise ScenarioError(f"{self.where(key)}{assigned}: {problem}; {mend}")
+
+    def require(self, key: str, example: str) -> Any:
+        """Return a value that must be there."""
+        if key not in self.data:
+            self.fail(key, "missing", f"add a line such as {key} = {example}")
+        return self.data[key]
+
+    def number(
+        self,
+        key: str,
+        default: float | None = None,
+        *,
+        above: float | None = None,
+        at_least: float | None = None,
+        at_most: float | None = None,
+        example: str = "1.0",
+    ) -> float:
+        """Return a finite number; without a default the key must be there."""
+        if key not in self.data and default is not None:
+            return default
+        result = self._finite(key, self.require(key, example))
+        unit = unit_of(key)
+        units = f" in {unit}" if unit else ""
+        if above is not None and not result > above:
+            self.fail(key, f"must be greater than {above:g}", f"give a larger number{units}")
+        if at_least is not None and not result >= at_least:
+            self.fail(key, f"must be at least {at_least:g}", f"give a larger number{units}")
+        if at_most is not None and not result <= at_most:
+            self.fail(key, f"must be at most {at_most:g}", f"give a smaller number{units}")
+        return result
+
+    def integer(self, key: str, default: int | None = None, *, at_least: int = 1) -> int:
+        """Return a whole number."""
+        if key not in self.data and default is not None:
+            return default
+        value = self.require(key, str(max(at_least, 1)))
+        if isinstance(value, bool) or not isinstance(value, int):
+            self.fail(key, "must be a whole number", "write it without quotes and decimal point")
+        if value < at_least:
+            self.fail(key, f"must be at least {at_least}", "give a larger whole number")
+        if value >= 2**31:
+            self.fail(key, "must be less than 2147483648", "give a smaller whole number")
+        return int(value)
+
+    def flag(self, key: str, default: bool = False) -> bool:
+        """Return true or false."""
+        value = self.data.get(key, default)
+        if not isinstance(value, bool):
+            self.fail(key, "must be true or false", "write it in lower case, without quotes")
+        return value
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """Return a text that is not empty, or the default."""
+        if key not in self.data and default is not None:
+            return default
+        value = self.require(key, '"..."')
+        if not isinstance(value, str) or not value.strip():
+            self.fail(key, "must be a text", "write it in quotes")
+        return value
+
+    def choice(self, key: str, options: tuple[str, ...], default: str) -> str:
+        """Return one of the options."""
+        value = self.data.get(key, default)
+        if value not in options or not isinstance(value, str):
+            near = nearest(value, options) if isinstance(value, str) else None
+            hint = f"did you mean '{near}'? " if near else ""
+            self.fail(key, "not one of the choices", f"{hint}allowed: {', '.join(options)}")
+        return value
+
+    def vector(self, key: str, size: int, default: Float64 | None = None) -> Float64:
+        """Return a list of `size` finite numbers, (size,)."""
+        if key not in self.data and default is not None:
+            return default
+        value = self.require(key, str([0.0] * size))
+        if not isinstance(value, list):
+            self.fail(key, "must be a list", f"write {size} numbers in brackets")
+        if len(value) != size:
+            self.fail(key, f"has {len(value)} entries", f"give {size} numbers")
+        return np.array([self._finite(key, item) for item in value])
+
+    def _finite(self, key: str, value: Any) -> float:
+        unit = unit_of(key)
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            told = f": the key says that it is in {unit}" if unit else ""
+            self.fail(
+                key,
+                f"{shown(value)} is not a number",
+                f"write a plain number without quotes or unit{told}",
+            )
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            self.fail(key, "must be finite", f"give a number{f' in {unit}' if unit else ''}")
+        return number

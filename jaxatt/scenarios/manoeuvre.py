@@ -1,0 +1,111 @@
+"""Where the manoeuvre starts, what it passes and where it must end."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from jaxatt.scenarios.attitudes import read_attitude
+from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.model import Horizon, Initial, Target, Waypoint
+from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
+from jaxatt.scenarios.windows import nearest_whole
+from jaxatt.spacecraft import Spacecraft
+from jaxatt.spacecraft.checks import Float64
+
+_EMPTY = np.zeros(0)
+_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
+_TOY_STATES = 2
+
+
+def read_initial(data: Any, origin: str, vehicle: Spacecraft | None, notes: list[str]) -> Initial:
+    """Return the checked start; `vehicle` is None for a toy system."""
+    if vehicle is None:
+        toy = Table(data, origin, "[initial]", TOY_TABLES["initial"])
+        return Initial(_IDENTITY, np.zeros(3), _EMPTY, toy.vector("state", _TOY_STATES))
+    table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
+    count = vehicle.wheels.count
+    speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
+    limits: Float64 = np.asarray(vehicle.wheels.speed_limit)
+    if (np.abs(speeds) > limits).any():
+        table.fail(
+            "wheel_speed_rad_s",
+            f"exceeds the speed limit {limits.tolist()} rad/s",
+            "start slower or raise [vehicle.wheels] speed_limit_rad_s",
+        )
+    attitude = read_attitude(table, notes)
+    return Initial(attitude, table.vector("rate_rad_s", 3, np.zeros(3)), speeds, _EMPTY)
+
+
+def read_targets(
+    document: dict[str, Any], origin: str, toy: bool, notes: list[str]
+) -> tuple[Target, ...]:
+    """Return the checked target, or one target for each of the [[legs]]."""
+    if toy:
+        table = Table(document.get("target", {}), origin, "[target]", TOY_TABLES["target"])
+        state = table.vector("state", _TOY_STATES)
+        tolerance = table.number("tolerance", 1e-6, above=0.0)
+        return (Target(_IDENTITY, np.zeros(3), math.pi, math.inf, state, tolerance),)
+    if "target" in document and "legs" in document:
+        raise ScenarioError(
+            f"{origin}: [target] and [[legs]] are both given; keep [target] for one manoeuvre or "
+            "[[legs]] for successive ones"
+        )
+    if "legs" not in document:
+        return (_target(document.get("target"), origin, "[target]", notes),)
+    legs = document["legs"]
+    if not isinstance(legs, list) or not legs:
+        raise ScenarioError(
+            f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
+        )
+    return tuple(
+        _target(leg, origin, f"[[legs]] no. {index + 1}", notes) for index, leg in enumerate(legs)
+    )
+
+
+def _target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
+    if data is None:
+        raise ScenarioError(
+            f"{origin}: [target] is missing; add it with attitude_deg = [phi, theta, psi]"
+        )
+    table = Table(data, origin, label, SPACECRAFT_TABLES["target"])
+    tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
+    return Target(
+        q_ob=read_attitude(table, notes),
+        omega_ob=table.vector("rate_rad_s", 3, np.zeros(3)),
+        attitude_tolerance=math.radians(tolerance),
+        rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
+        state=_EMPTY,
+        state_tolerance=math.inf,
+    )
+
+
+def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str]) -> Waypoint:
+    """Return the checked waypoint; its time moves to the nearest node, with a note if it moved."""
+    table = Table(data, origin, "[waypoint]", SPACECRAFT_TABLES["waypoint"])
+    time = table.number("time_s", example=f"{horizon.duration / 2:g}")
+    if not 0.0 < time < horizon.duration:
+        table.fail(
+            "time_s",
+            "outside the horizon",
+            f"give a time between 0 and {horizon.duration:g} seconds",
+        )
+    node = nearest_whole(time / horizon.step)
+    if not 0 < node < horizon.intervals:
+        table.fail(
+            "time_s",
+            f"falls on the {'start' if node == 0 else 'end'} of the horizon, the nearest node "
+            f"of the {horizon.intervals} intervals",
+            f"give a time between {horizon.step:g} and {horizon.duration - horizon.step:g} "
+            "seconds, or more intervals",
+        )
+    on_node = node * horizon.step
+    if abs(on_node - time) > 1e-9 * horizon.duration:
+        notes.append(
+            f"[waypoint] time_s = {time:g} lies between nodes: moved to node {node}, {on_node:g} s"
+        )
+    tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)
+    attitude = read_attitude(table, notes)
+    return Waypoint(attitude, on_node, node, math.radians(tolerance))

@@ -1,0 +1,116 @@
+"""The names that a scenario file may hold, and the suggestion for one that it may not."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+
+_ATTITUDE = ("attitude_deg", "attitude_quaternion")
+_TARGET = (*_ATTITUDE, "rate_rad_s", "attitude_tolerance_deg", "rate_tolerance_rad_s")
+_HORIZON = ("horizon_s", "intervals", "coast_intervals", "substeps")
+_WINDOW = ("first_interval", "last_interval", "start_s", "end_s", "weight", "forbidden")
+_SOLVER = ("starts", "seed")
+_TOP = ("name", "title", "source", "system")
+
+WHEEL_KEYS = ("axes", "inertia_kgm2", "torque_limit_Nm", "speed_limit_rad_s")
+VEHICLE_FILE_KEYS = ("name", "title", "source", "inertia_kgm2", "wheels")
+
+SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
+    "vehicle": ("use", "file", *VEHICLE_FILE_KEYS),
+    "orbit": (
+        "semi_major_axis_km",
+        "eccentricity",
+        "inclination_deg",
+        "raan_deg",
+        "argument_of_periapsis_deg",
+        "true_anomaly_deg",
+        "gravitational_parameter_m3_s2",
+    ),
+    "initial": (*_ATTITUDE, "rate_rad_s", "wheel_speed_rad_s"),
+    "target": _TARGET,
+    "legs": _TARGET,
+    "waypoint": (*_ATTITUDE, "time_s", "tolerance_deg"),
+    "horizon": _HORIZON,
+    "disturbances": (
+        "gravity_gradient",
+        "sinusoidal_torque_Nm",
+        "sinusoidal_frequency_rad_s",
+    ),
+    "control": ("axes",),
+    "objective": (
+        "kind",
+        "terminal",
+        "design",
+        "epsilon_Nm",
+        "rate_weight_s2",
+        "attitude_weight",
+        "sparsity_weight",
+        "waypoint_weight",
+    ),
+    "windows": _WINDOW,
+    "solver": _SOLVER,
+    "printed": (),
+}
+
+TOY_TABLES: Mapping[str, tuple[str, ...]] = {
+    "initial": ("state",),
+    "target": ("state", "tolerance"),
+    "horizon": _HORIZON,
+    "control": ("limit",),
+    "objective": ("kind", "terminal", "epsilon"),
+    "windows": _WINDOW,
+    "solver": _SOLVER,
+    "printed": (),
+}
+
+# Longest suffix first: rate_rad_s ends in both "_rad_s" and "_s".
+UNITS = {
+    "_m3_s2": "m^3/s^2",
+    "_rad_s": "rad/s",
+    "_kgm2": "kg m^2",
+    "_deg": "degrees",
+    "_km": "kilometres",
+    "_Nm": "newton metres",
+    "_s2": "s^2",
+    "_s": "seconds",
+}
+
+
+def top_level_keys(tables: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
+    """Return the names that may stand at the top of a scenario file with these tables."""
+    return (*_TOP, *tables)
+
+
+def unit_of(key: str) -> str | None:
+    """Return the unit that a key's name carries, in words, or None."""
+    return next((unit for suffix, unit in UNITS.items() if key.endswith(suffix)), None)
+
+
+def nearest(name: str, candidates: Iterable[str]) -> str | None:
+    """Return the candidate that `name` was probably meant to be, or None.
+
+    A candidate that is `name` with a unit added comes first: a forgotten unit is the commonest
+    slip, and plain similarity would prefer a shorter key.
+    """
+    names = {candidate.lower(): candidate for candidate in candidates}
+    low = name.lower()
+    for candidate in names.values():
+        for suffix in UNITS:
+            if candidate.endswith(suffix) and low == candidate[: -len(suffix)].lower():
+                return candidate
+    close = difflib.get_close_matches(low, names, n=1, cutoff=0.6)
+    return names[close[0]] if close else None
+
+
+def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
+    """Return the sentence that helps with an unknown key: a near name, or all that is allowed."""
+    # A key that exists in another table was misplaced rather than misspelt.
+    elsewhere = {"vehicle.wheels": WHEEL_KEYS, **SPACECRAFT_TABLES}
+    for other, keys in elsewhere.items():
+        if other != table and key in keys:
+            return f"did you mean to put it into [{other}]?"
+    near = nearest(key, allowed)
+    if near is not None:
+        unit = " (units are part of the name)" if unit_of(near) else ""
+        return f"did you mean '{near}'?{unit}"
+    return f"allowed here: {', '.join(allowed)}"

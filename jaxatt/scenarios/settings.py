@@ -1,0 +1,127 @@
+"""The plain numbers of a scenario: orbit, horizon, disturbances, control, objective, solver."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from jaxatt.scenarios.fields import Table
+from jaxatt.scenarios.model import (
+    Control,
+    Disturbances,
+    Horizon,
+    Objective,
+    Orbit,
+    SolverSettings,
+)
+from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
+
+EARTH_RADIUS_KM = 6378.137  # equatorial, WGS 84
+# Edge of the Earth's sphere of influence, rounded up: beyond it a distance was given in metres.
+_LARGEST_AXIS_KM = 1e6
+# The Earth's parameter is 3.986e14 m^3/s^2; far below it, km^3/s^2 were meant.
+_SMALLEST_PARAMETER = 1e12
+
+
+def read_orbit(data: Any, origin: str) -> Orbit:
+    """Return the checked orbit in metres and radians."""
+    table = Table(data, origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
+    axis = table.number("semi_major_axis_km", above=0.0, example="6852.2")
+    if axis > _LARGEST_AXIS_KM:
+        table.fail("semi_major_axis_km", "farther out than the Moon", "give kilometres, not metres")
+    eccentricity = table.number("eccentricity", at_least=0.0, example="0.002")
+    if eccentricity >= 1.0:
+        table.fail("eccentricity", "is no closed orbit", "give a number from 0 to less than 1")
+    perigee = axis * (1.0 - eccentricity)
+    if perigee <= EARTH_RADIUS_KM:
+        table.fail(
+            "semi_major_axis_km",
+            f"the orbit passes below the Earth's surface (perigee {perigee:.6g} km from its "
+            f"centre, radius {EARTH_RADIUS_KM} km)",
+            "give the distance from the Earth's centre, not the altitude, in kilometres",
+        )
+    parameter = table.number("gravitational_parameter_m3_s2", 3.986e14, above=0.0)
+    if parameter < _SMALLEST_PARAMETER:
+        table.fail(
+            "gravitational_parameter_m3_s2",
+            "too small for the Earth",
+            "give m^3/s^2, 3.986e14 for the Earth, not km^3/s^2",
+        )
+    inclination = table.number("inclination_deg", at_least=0.0, at_most=180.0, example="97.0")
+    angle = {
+        key: math.radians(table.number(f"{key}_deg", example="0.0"))
+        for key in ("raan", "argument_of_periapsis", "true_anomaly")
+    }
+    return Orbit(
+        semi_major_axis=axis * 1e3,
+        eccentricity=eccentricity,
+        inclination=math.radians(inclination),
+        gravitational_parameter=parameter,
+        **angle,
+    )
+
+
+def read_horizon(data: Any, origin: str) -> Horizon:
+    """Return the checked horizon."""
+    table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
+    return Horizon(
+        duration=table.number("horizon_s", above=0.0, example="70.0"),
+        intervals=table.integer("intervals"),
+        coast_intervals=table.integer("coast_intervals", 20, at_least=0),
+        substeps=table.integer("substeps") if "substeps" in table else None,
+    )
+
+
+def read_disturbances(data: Any, origin: str) -> Disturbances:
+    """Return the checked disturbances; a negative sine amplitude is a phase of half a turn."""
+    table = Table(data, origin, "[disturbances]", SPACECRAFT_TABLES["disturbances"])
+    return Disturbances(
+        gravity_gradient=table.flag("gravity_gradient"),
+        sinusoidal_torque=table.number("sinusoidal_torque_Nm", 0.0),
+        sinusoidal_frequency=table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
+    )
+
+
+def read_control(data: Any, origin: str, toy: bool) -> Control:
+    """Return the checked choice of control axes, or a toy system's control bound."""
+    tables = TOY_TABLES if toy else SPACECRAFT_TABLES
+    table = Table(data, origin, "[control]", tables["control"])
+    return Control(
+        axes="body" if toy else table.choice("axes", ("body", "wheels"), "body"),
+        limit=table.number("limit", 1.0, above=0.0) if toy else math.inf,
+    )
+
+
+def read_objective(data: Any, origin: str, toy: bool) -> Objective:
+    """Return the checked objective; the defaults are those of Schaanning (2021), table 5.1."""
+    tables = TOY_TABLES if toy else SPACECRAFT_TABLES
+    table = Table(data, origin, "[objective]", tables["objective"])
+    kind = table.choice("kind", ("l0", "moving-l0", "l1"), "l0")
+    terminal = table.choice("terminal", ("reach", "penalty"), "reach")
+    if toy and terminal == "penalty":
+        table.fail("terminal", "the toy systems have no printed penalty", 'use terminal = "reach"')
+    design = 1 if toy else table.integer("design", 1)
+    if design > 3:
+        table.fail("design", "not one of the designs", "allowed: 1, 2, 3")
+    if toy:
+        epsilon = table.number("epsilon", 1e-6, above=0.0)  # section 3.7.5
+    else:
+        epsilon = table.number("epsilon_Nm", 1e-8, above=0.0)
+    return Objective(
+        kind=kind,
+        terminal=terminal,
+        design=design,
+        epsilon=epsilon,
+        rate_weight=table.number("rate_weight_s2", 1e6, at_least=0.0),
+        attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
+        sparsity_weight=table.number("sparsity_weight", 1e1, at_least=0.0),
+        waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
+    )
+
+
+def read_solver(data: Any, origin: str) -> SolverSettings:
+    """Return the checked number of starts and the seed."""
+    table = Table(data, origin, "[solver]", SPACECRAFT_TABLES["solver"])
+    return SolverSettings(
+        starts=table.integer("starts", 64), seed=table.integer("seed", 0, at_least=0)
+    )

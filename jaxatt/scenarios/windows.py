@@ -1,0 +1,119 @@
+"""Windows of intervals that are cheap or forbidden."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.model import Horizon, Scenario, Window
+from jaxatt.scenarios.schema import SPACECRAFT_TABLES
+from jaxatt.spacecraft.checks import Float64
+
+# A time on the edge of the horizon must not be refused for the rounding of its last digit.
+_TIME_TOLERANCE = 1e-9
+
+
+def nearest_whole(value: float) -> int:
+    """Return the nearest whole number, halves upward (Python's round takes the even one)."""
+    return math.floor(value + 0.5)
+
+
+def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]:
+    """Return the checked windows of the [[windows]] tables."""
+    if not isinstance(data, list):
+        raise ScenarioError(
+            f"{origin}: windows: must be a list of tables; write [[windows]] with double brackets"
+        )
+    windows = []
+    for index, item in enumerate(data):
+        label = f"[[windows]] no. {index + 1}"
+        table = Table(item, origin, label, SPACECRAFT_TABLES["windows"])
+        first, last = _range(table, horizon)
+        forbidden = table.flag("forbidden")
+        if forbidden and "weight" in table:
+            table.fail("weight", "given for a forbidden window", "drop weight or forbidden")
+        weight = 1.0 if forbidden else table.number("weight", 0.001, at_least=0.0)
+        windows.append(Window(first, last, weight, forbidden))
+    blocked = _mask(tuple(w for w in windows if w.forbidden), horizon.intervals)
+    if blocked.all():
+        raise ScenarioError(
+            f"{origin}: [[windows]] forbid torque in all {horizon.intervals} intervals; "
+            "leave at least one interval free"
+        )
+    return tuple(windows)
+
+
+def _range(table: Table, horizon: Horizon) -> tuple[int, int]:
+    by_index = "first_interval" in table or "last_interval" in table
+    by_time = "start_s" in table or "end_s" in table
+    if by_index and by_time:
+        key = "start_s" if "start_s" in table else "end_s"
+        table.fail(key, "given beside interval numbers", "give intervals or times, not both")
+    if by_time:
+        return _range_by_time(table, horizon)
+    first = table.integer("first_interval", at_least=0)
+    last = table.integer("last_interval", at_least=0)
+    count = horizon.intervals
+    for key, value in (("first_interval", first), ("last_interval", last)):
+        if value >= count:
+            table.fail(
+                key,
+                f"outside the horizon of {count} intervals",
+                f"allowed: 0 to {count - 1} (zero-based, both ends included)",
+            )
+    if first > last:
+        table.fail("last_interval", f"before first_interval = {first}", "exchange the two")
+    return first, last
+
+
+def _range_by_time(table: Table, horizon: Horizon) -> tuple[int, int]:
+    start = table.number("start_s", example="28.0")
+    end = table.number("end_s", example="42.0")
+    for key, value in (("start_s", start), ("end_s", end)):
+        if not -_TIME_TOLERANCE <= value <= horizon.duration + _TIME_TOLERANCE:
+            table.fail(
+                key,
+                f"outside the horizon of {horizon.duration:g} s",
+                f"allowed: 0 to {horizon.duration:g} seconds",
+            )
+    if start > end:
+        table.fail("end_s", f"before start_s = {start:g}", "exchange the two")
+    last_index = horizon.intervals - 1
+    first = min(nearest_whole(start / horizon.step), last_index)
+    return first, min(nearest_whole(end / horizon.step), last_index)
+
+
+def _mask(windows: tuple[Window, ...], intervals: int) -> npt.NDArray[np.bool_]:
+    mask = np.zeros(intervals, dtype=np.bool_)
+    for window in windows:
+        mask[window.first : window.last + 1] = True
+    return mask
+
+
+def window_weights(scenario: Scenario) -> Float64:
+    """Return the cost of each active interval in moving L0, (N,): h_N of Schaanning (2021), 5.5.
+
+    It is 1 outside the windows; where windows overlap, the later one in the file counts. L0 and
+    L1 do not use it.
+    """
+    weights = np.ones(scenario.horizon.intervals)
+    for window in scenario.windows:
+        if not window.forbidden:
+            weights[window.first : window.last + 1] = window.weight
+    return weights
+
+
+def window_mask(scenario: Scenario) -> npt.NDArray[np.bool_]:
+    """Return which intervals lie in a window that is not forbidden, (N,)."""
+    allowed = tuple(window for window in scenario.windows if not window.forbidden)
+    return _mask(allowed, scenario.horizon.intervals)
+
+
+def forbidden_mask(scenario: Scenario) -> npt.NDArray[np.bool_]:
+    """Return which intervals no objective may use, (N,)."""
+    forbidden = tuple(window for window in scenario.windows if window.forbidden)
+    return _mask(forbidden, scenario.horizon.intervals)

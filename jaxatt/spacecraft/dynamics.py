@@ -1,0 +1,70 @@
+"""Equations of motion of a rigid body with reaction wheels, wheel speeds included."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.attitude import quaternion
+from jaxatt.environment.table import Environment
+from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class AttitudeState:
+    """State of a spacecraft with n wheels; leading axes batch.
+
+    q_ob : (..., 4), attitude of the body relative to the orbit frame.
+    omega_ib : (..., 3) [rad/s], inertial rate in body axes.
+    omega_bw : (..., n) [rad/s], wheel speeds relative to the body.
+    """
+
+    q_ob: Array
+    omega_ib: Array
+    omega_bw: Array
+
+
+def relative_rate(state: AttitudeState, environment: Environment) -> Array:
+    """omega_ob = omega_ib - R(q_ob)' omega_io, (..., 3) [rad/s]; eq. (4.3)."""
+    return state.omega_ib - quaternion.rotate_inverse(state.q_ob, environment.orbit_rate)
+
+
+def at_relative_rate(
+    q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
+) -> AttitudeState:
+    """State with the rate given relative to the orbit frame; inverse of `relative_rate`."""
+    omega_ib = omega_ob + quaternion.rotate_inverse(q_ob, environment.orbit_rate)
+    return AttitudeState(q_ob, omega_ib, jnp.asarray(omega_bw))
+
+
+def derivative(
+    craft: Spacecraft, state: AttitudeState, wheel_torque: Array, environment: Environment
+) -> AttitudeState:
+    """Time derivative of one state.
+
+    wheel_torque : (n,) [N m], torque on the wheels; the body receives its negative.
+    Source: Schaanning (2021), eqs. (4.2), (4.11), (4.12), (4.20b) and (4.20d).  The rate relative
+    to the orbit is algebraic (4.3): (4.20c) counts the transport term twice and is not used.
+    """
+    wheels = craft.wheels
+    inertia = jnp.asarray(craft.inertia)
+    q = quaternion.normalize(state.q_ob)
+    down = quaternion.rotate_inverse(q, jnp.asarray([0.0, 0.0, 1.0], q.dtype))
+    external = (
+        environment.gradient * jnp.cross(down, inertia @ down) + environment.disturbance
+    )
+    momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
+    omega_rate = jnp.linalg.solve(
+        jnp.asarray(craft.inertia_without_spin),
+        external - wheels.axes @ wheel_torque - jnp.cross(state.omega_ib, momentum),
+    )
+    unit = AttitudeState(q, state.omega_ib, state.omega_bw)
+    return AttitudeState(
+        quaternion.derivative(state.q_ob, relative_rate(unit, environment)),
+        omega_rate,
+        wheel_torque / wheels.inertia - wheels.axes.T @ omega_rate,
+    )

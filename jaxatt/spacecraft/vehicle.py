@@ -1,0 +1,123 @@
+"""A rigid body with reaction wheels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
+from jaxatt.spacecraft.wheels import Array, ReactionWheels, momentum
+
+_SYMMETRY_TOLERANCE = 1e-9
+_TRIANGLE_TOLERANCE = 1e-9
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class Spacecraft:
+    """A rigid body with reaction wheels; build it with `create`, which checks the numbers.
+
+    Attributes
+    ----------
+    inertia : (3, 3) array [kg m^2]
+        Total inertia J in body axes, wheels included; Schaanning (2021), eq. 4.7.
+    wheels : ReactionWheels
+    name : str
+        Static: two vehicles with different names are traced separately.
+    """
+
+    inertia: Array
+    wheels: ReactionWheels
+    name: str = field(default="spacecraft", metadata={"static": True})
+
+    @property
+    def inertia_without_spin(self) -> Array:
+        """J_s = J - A Jw A', (3, 3) [kg m^2]; Schaanning (2021), eq. 4.7.
+
+        The inertia that a wheel torque accelerates: wheels count, but not about their own axes.
+        """
+        return self.inertia - self.wheels.spin_inertia_body
+
+
+def total_momentum(spacecraft: Spacecraft, omega_ib: Any, omega_bw: Any) -> jax.Array:
+    """Return the angular momentum of body and wheels, J omega_ib + A Jw omega_bw.
+
+    Parameters
+    ----------
+    spacecraft : Spacecraft
+    omega_ib : (..., 3) array [rad/s]
+        Rate of the body relative to the inertial frame, in body axes.
+    omega_bw : (..., n) array [rad/s]
+        Wheel speeds relative to the body.
+
+    Returns
+    -------
+    (..., 3) array [N m s]
+        In body axes; Schaanning (2021), eq. 4.8.
+    """
+    rate = jnp.asarray(omega_ib)
+    body = jnp.einsum("...ij,...j->...i", spacecraft.inertia, rate)
+    return body + momentum(spacecraft.wheels, omega_bw)
+
+
+def create(inertia: Any, wheels: ReactionWheels, name: str = "spacecraft") -> Spacecraft:
+    """Return a checked spacecraft.
+
+    Parameters
+    ----------
+    inertia : (3, 3) array_like [kg m^2]
+        Total inertia in body axes, wheels included.
+    wheels : ReactionWheels
+        As built by `reaction_wheels`.
+    name : str
+
+    Raises
+    ------
+    FieldError
+        A `ValueError` that names the field, the value and what is allowed.
+    """
+    total = _inertia(inertia)
+    craft = Spacecraft(inertia=total, wheels=wheels, name=name)
+    smallest = float(np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin))[0])
+    if smallest <= 0.0:
+        raise FieldError(
+            "inertia",
+            "the wheels' own inertia exceeds it (J - A Jw A' has the principal moment "
+            f"{smallest:.6g} kg m^2, which must be greater than 0); "
+            "give the total inertia with wheels, or check the units of the wheel inertia",
+        )
+    return craft
+
+
+def _inertia(value: Any) -> Float64:
+    matrix = finite_array("inertia", value)
+    if matrix.shape != (3, 3):
+        raise FieldError("inertia", f"has shape {matrix.shape}; give three rows of three numbers")
+    skew = np.abs(matrix - matrix.T)
+    if skew.max() > _SYMMETRY_TOLERANCE * np.abs(matrix).max():
+        i, j = (int(k) for k in np.unravel_index(int(skew.argmax()), (3, 3)))
+        raise FieldError(
+            "inertia",
+            f"is not symmetric: row {i + 1}, column {j + 1} holds {matrix[i, j]:g}, but row {j + 1}"
+            f", column {i + 1} holds {matrix[j, i]:g}; both must be the same number",
+        )
+    symmetric: Float64 = 0.5 * (matrix + matrix.T)
+    moments = np.linalg.eigvalsh(symmetric)
+    shown = ", ".join(f"{moment:.6g}" for moment in moments)
+    if moments[0] <= 0.0:
+        raise FieldError(
+            "inertia",
+            f"is not positive definite: its principal moments are {shown} kg m^2; all must be "
+            "greater than 0 (check the signs of the products of inertia)",
+        )
+    if moments[2] > (moments[0] + moments[1]) * (1.0 + _TRIANGLE_TOLERANCE):
+        raise FieldError(
+            "inertia",
+            f"breaks the triangle inequality: of its principal moments {shown} kg m^2 the largest "
+            "exceeds the sum of the other two, which no body can have; check the moments and units",
+        )
+    return symmetric

@@ -1,0 +1,148 @@
+"""A set of reaction wheels in any mounting that spans three directions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.spacecraft.checks import FieldError, Float64, finite_array, positive_per_item
+
+Array = jax.Array | Float64
+
+# Rounded axes such as 0.57735 are meant as unit vectors: only a larger deviation earns a note.
+_UNIT_TOLERANCE = 1e-5
+# Below this ratio of singular values the allocation would multiply torques by more than 1e6.
+_RANK_TOLERANCE = 1e-6
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True, eq=False)
+class ReactionWheels:
+    """Reaction wheels; build them with `reaction_wheels`, which checks the numbers.
+
+    Attributes
+    ----------
+    axes : (3, n) array
+        Unit spin axes in body components, one column a wheel: A of Schaanning (2021), eq. 5.11.
+    inertia : (n,) array [kg m^2]
+        Inertia of each wheel about its spin axis.
+    torque_limit : (n,) array [N m]
+        Largest absolute torque of each wheel.
+    speed_limit : (n,) array [rad/s]
+        Largest absolute speed of each wheel relative to the body; ``inf`` means no limit.
+    """
+
+    axes: Array
+    inertia: Array
+    torque_limit: Array
+    speed_limit: Array
+
+    @property
+    def count(self) -> int:
+        """Number of wheels."""
+        return int(self.axes.shape[-1])
+
+    @property
+    def allocation(self) -> jax.Array:
+        """Moore-Penrose map of body torque to wheel torque, (n, 3); Schaanning (2021), eq. 2.42.
+
+        The mounting has full row rank, so the pseudo-inverse is ``A' (A A')^-1``: smooth in the
+        axes, where one by singular values has no derivative for equal singular values.
+        """
+        axes = jnp.asarray(self.axes)
+        gram = axes @ jnp.swapaxes(axes, -1, -2)
+        return jnp.swapaxes(jnp.linalg.solve(gram, axes), -1, -2)
+
+    @property
+    def spin_inertia_body(self) -> Array:
+        """Inertia of the wheels about their axes in body components, A Jw A', (3, 3) [kg m^2]."""
+        return (self.axes * self.inertia[..., None, :]) @ self.axes.swapaxes(-1, -2)
+
+
+def momentum(wheels: ReactionWheels, omega_bw: Any) -> jax.Array:
+    """Return the momentum of the wheels relative to the body, A Jw omega_bw.
+
+    Parameters
+    ----------
+    wheels : ReactionWheels
+    omega_bw : (..., n) array [rad/s]
+        Wheel speeds relative to the body.
+
+    Returns
+    -------
+    (..., 3) array [N m s]
+        In body components; the wheel term of Schaanning (2021), eq. 4.8.
+    """
+    speeds = jnp.asarray(omega_bw)
+    return jnp.einsum("...ij,...j,...j->...i", wheels.axes, wheels.inertia, speeds)
+
+
+def reaction_wheels(
+    axes: Any,
+    inertia: Any,
+    torque_limit: Any,
+    speed_limit: Any = np.inf,
+    *,
+    notes: list[str] | None = None,
+) -> ReactionWheels:
+    """Return checked reaction wheels.
+
+    Parameters
+    ----------
+    axes : (3, n) array_like
+        Spin axes in body components, one column a wheel; scaled to unit length.
+    inertia : float or (n,) array_like [kg m^2]
+    torque_limit : float or (n,) array_like [N m]
+    speed_limit : float or (n,) array_like [rad/s]
+        ``inf``, the default, means no limit.
+    notes : list of str, optional
+        Receives a line for every axis whose length was not 1.
+
+    Raises
+    ------
+    FieldError
+        A `ValueError` that names the field, the value and what is allowed.
+    """
+    unit_axes = _unit_axes(axes, [] if notes is None else notes)
+    count = unit_axes.shape[1]
+    return ReactionWheels(
+        axes=unit_axes,
+        inertia=positive_per_item("inertia", inertia, count),
+        torque_limit=positive_per_item("torque_limit", torque_limit, count),
+        speed_limit=positive_per_item("speed_limit", speed_limit, count, infinite=True),
+    )
+
+
+def _unit_axes(axes: Any, notes: list[str]) -> Float64:
+    array = finite_array("axes", axes)
+    if array.ndim != 2 or array.shape[0] != 3 or array.shape[1] == 0:
+        raise FieldError(
+            "axes",
+            f"has shape {array.shape}, expected (3, n): three body components for each of n wheels",
+        )
+    lengths = np.linalg.norm(array, axis=0)
+    for index, length in enumerate(lengths):
+        if length < 1e-12:
+            raise FieldError(
+                "axes", f"wheel {index + 1} has the axis (0, 0, 0); give the direction of its spin"
+            )
+        if abs(length - 1.0) > _UNIT_TOLERANCE:
+            notes.append(
+                f"wheel axis {index + 1} was scaled to unit length; its length was {length:.6g}"
+            )
+    unit: Float64 = array / lengths[None, :]
+    left, singular, _ = np.linalg.svd(unit)
+    smallest = singular[2] if singular.size == 3 else 0.0
+    if smallest < _RANK_TOLERANCE * singular[0]:
+        blind = ", ".join(f"{component:.3g}" for component in left[:, 2] + 0.0)
+        rank = int((singular >= _RANK_TOLERANCE * singular[0]).sum())
+        raise FieldError(
+            "axes",
+            f"the {array.shape[1]} wheel axes span {rank} of the three directions: no wheel can "
+            f"turn the body about ({blind}); add or tilt a wheel so that the axes span all three",
+        )
+    return unit
