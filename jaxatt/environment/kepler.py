@@ -104,7 +104,8 @@ def from_state(r_i: ArrayLike, v_i: ArrayLike, mu: ArrayLike = MU_EARTH) -> Kepl
     n_x, n_y, n_z = normal[..., :1], normal[..., 1:2], normal[..., 2:]
     equatorial = n_x**2 + n_y**2 < vanishing
     raan = jnp.arctan2(jnp.where(equatorial, 0.0, n_x), jnp.where(equatorial, 1.0, -n_y))
-    sin_inclination = n_x * jnp.sin(raan) - n_y * jnp.cos(raan)
+    # Negative only by rounding, where raan was set to zero.
+    sin_inclination = jnp.abs(n_x * jnp.sin(raan) - n_y * jnp.cos(raan))
     node, across = _node_axes(raan, n_z, sin_inclination)
 
     e_vector = cross(v_i, momentum) / mu - r_i / radius

@@ -30,7 +30,7 @@ def test_signed_set_gives_the_quaternion_back_sign_included(attitudes):
     # tan(angle / 4) by half angles, as the angle itself rounds to 360 degrees.
     expected = np.where(
         attitudes[:, 0] > 0,
-        half_sine / (1 + attitudes[:, 0]),
+        half_sine / (1 + np.abs(attitudes[:, 0])),
         (1 - attitudes[:, 0]) / np.maximum(half_sine, 1e-160),
     )
     np.testing.assert_allclose(length[clear], expected[clear], rtol=1e-13)

@@ -5,17 +5,16 @@ import pytest
 from jaxatt.attitude import vectors
 
 
-@pytest.mark.parametrize(
-    ("shape_a", "shape_b"), [((), ()), ((), (5,)), ((4, 1), (5,)), ((2, 1, 5), (4, 1))]
-)
+@pytest.mark.parametrize(("shape_a", "shape_b"), [((), ()), ((), (5,)), ((2, 1, 5), (4, 1))])
 def test_products_broadcast_like_numpy(shape_a, shape_b):
     rng = np.random.default_rng(1)
     a, b = rng.normal(size=(*shape_a, 3)), rng.normal(size=(*shape_b, 3))
-    np.testing.assert_allclose(vectors.cross(a, b), np.cross(a, b), rtol=1e-13, atol=1e-15)
-    np.testing.assert_allclose(vectors.dot(a, b), np.sum(a * b, -1), rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(jax.jit(vectors.cross)(a, b), np.cross(a, b), rtol=1e-13, atol=1e-15)
     np.testing.assert_allclose(
-        vectors.matvec(vectors.skew(a), b), np.cross(a, b), rtol=1e-13, atol=1e-15
+        jax.jit(vectors.dot)(a, b), np.sum(a * b, -1), rtol=1e-13, atol=1e-15
     )
+    by_matrix = jax.jit(lambda a, b: vectors.matvec(vectors.skew(a), b))(a, b)
+    np.testing.assert_allclose(by_matrix, np.cross(a, b), rtol=1e-13, atol=1e-15)
 
 
 def test_norm_has_a_gradient_at_zero():

@@ -88,6 +88,22 @@ def test_flow_composes_and_conserves_energy_and_momentum(seed, e, turns, part):
     np.testing.assert_allclose(v_two, v_end, rtol=0, atol=tolerance * 2e5 / (1 - e))
 
 
+def flow(x, dt):
+    return jnp.concatenate(orbit.propagate(x[:3], x[3:], dt))
+
+
+def rate(x):
+    return jnp.concatenate([x[3:], orbit.two_body_acceleration(x[:3])])
+
+
+@jax.jit
+def linearised(x, dt):
+    transition, change = jax.jvp(lambda t: jax.jacfwd(flow)(x, t), (dt,), (1.0,))
+    end, velocity = jax.jvp(lambda t: flow(x, t), (dt,), (1.0,))
+    reverse = jax.jacrev(flow)(x, dt)
+    return transition, reverse, change, velocity, rate(end), jax.jacfwd(rate)(end)
+
+
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.9])
 def test_derivatives_are_those_of_a_hamiltonian_flow(e):
     """Transition matrices are symplectic; in time they obey the variational equation.
@@ -98,21 +114,8 @@ def test_derivatives_are_those_of_a_hamiltonian_flow(e):
     dt = 4000.0
     x = np.concatenate([r, v])
 
-    def flow(x, dt):
-        return jnp.concatenate(orbit.propagate(x[:3], x[3:], dt))
-
-    def rate(x):
-        return jnp.concatenate([x[3:], orbit.two_body_acceleration(x[:3])])
-
-    @jax.jit
-    def evaluate(x, dt):
-        transition, change = jax.jvp(lambda t: jax.jacfwd(flow)(x, t), (dt,), (1.0,))
-        end, velocity = jax.jvp(lambda t: flow(x, t), (dt,), (1.0,))
-        reverse = jax.jacrev(flow)(x, dt)
-        return transition, reverse, change, velocity, rate(end), jax.jacfwd(rate)(end)
-
     transition, reverse, change, velocity, expected_velocity, generator = map(
-        np.asarray, evaluate(x, dt)
+        np.asarray, linearised(x, dt)
     )
     # In units of the orbit every entry is of order one.
     length = float(np.linalg.norm(r))
