@@ -76,6 +76,9 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     )
 
 
+_on_grid = jax.jit(environment_at)
+
+
 def tabulate(
     surroundings: Surroundings, start: float, step: float, intervals: int, substeps: int
 ) -> EnvironmentTable:
@@ -84,15 +87,15 @@ def tabulate(
     start : [s] time of the first node.  step : [s] length of one of the `intervals`.
     """
     half = step / (2 * substeps)
-    grid = start + half * jnp.arange(2 * substeps * intervals + 1)
-    values = jax.jit(environment_at)(surroundings, grid)
+    grid = start + half * np.arange(2 * substeps * intervals + 1)
+    values = jax.tree.map(np.asarray, _on_grid(surroundings, grid))
     first = 2 * np.arange(intervals * substeps).reshape(intervals, substeps)
     stages = first[..., None] + np.asarray(_STAGE_OFFSETS)
     nodes = 2 * substeps * np.arange(intervals + 1)
     return EnvironmentTable(
         jax.tree.map(lambda leaf: leaf[stages], values),
         jax.tree.map(lambda leaf: leaf[nodes], values),
-        jnp.asarray(2 * half),
+        np.asarray(2 * half),
     )
 
 
@@ -100,10 +103,10 @@ def coarsen(table: EnvironmentTable, intervals: int, substeps: int) -> Environme
     """The first `intervals` of a table at fewer `substeps`, a divisor of those it has."""
     ratio = table.stages.gradient.shape[1] // substeps
 
-    def pick(leaf: Array) -> Array:
-        fine = leaf[:intervals].reshape(intervals, substeps, ratio, *leaf.shape[2:])
+    def pick(leaf: Array) -> np.ndarray:
+        fine = np.asarray(leaf)[:intervals].reshape(intervals, substeps, ratio, *leaf.shape[2:])
         middle = fine[:, :, ratio // 2, 0] if ratio % 2 == 0 else fine[:, :, ratio // 2, 1]
-        return jnp.stack([fine[:, :, 0, 0], middle, middle, fine[:, :, -1, 3]], axis=2)
+        return np.stack([fine[:, :, 0, 0], middle, middle, fine[:, :, -1, 3]], axis=2)
 
     nodes = jax.tree.map(lambda leaf: leaf[: intervals + 1], table.nodes)
     return EnvironmentTable(jax.tree.map(pick, table.stages), nodes, table.substep * ratio)

@@ -16,9 +16,7 @@ from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
 from jaxatt.problems.hands_off import SparseArguments, SparseSystem, sparse_program
 from jaxatt.problems.task import Floats
-
-CHUNK = 64
-"""Starts in one call; 64 to 256 are fastest on a CPU of two cores."""
+from jaxatt.simulation.chunks import padded_chunks
 
 Progress = Callable[[int], None]
 """Called by the host with the number of starts that have just ended."""
@@ -68,19 +66,9 @@ def solve_lanes(
     inner: str = "gauss-newton",
     progress: Progress | None = None,
 ) -> Solution:
-    """Solve all lanes, chunk by chunk, and gather the results on the host.
-
-    The last chunk is filled up with copies of its first lane, so one shape is compiled.
-    """
-    total = len(lanes.u)
+    """Solve all lanes, chunk by chunk, and gather the results on the host."""
     parts = []
-    for first in range(0, total, CHUNK):
-        chunk = Lanes(*(np.asarray(leaf[first : first + CHUNK], float) for leaf in lanes))
-        size = len(chunk.u)
-        if size < CHUNK:
-            chunk = Lanes(
-                *(np.concatenate([leaf, np.repeat(leaf[:1], CHUNK - size, 0)]) for leaf in chunk)
-            )
+    for chunk, size in padded_chunks(lanes):
         solution = _solve_chunk(system, shared, inner, chunk, arguments, schedule)
         parts.append(jax.tree.map(lambda leaf, size=size: np.asarray(leaf)[:size], solution))
         if progress is not None:

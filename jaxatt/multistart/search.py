@@ -31,7 +31,9 @@ HOMOTOPY = Schedule(
     max_iterations=14,
     update_multipliers=0.0,
 )
-POLISH = Schedule(smoothing_start=0.03, smoothing_end=1e-4, max_inner=4, max_iterations=40)
+POLISH = Schedule(
+    stage_penalty=1e3, smoothing_start=0.03, smoothing_end=1e-4, max_inner=4, max_iterations=60
+)
 EFFORT = Schedule(smoothing_start=0.1, smoothing_end=1e-5, max_inner=8, max_iterations=150)
 
 _SUPPORT_THRESHOLD = 1e-3
@@ -170,9 +172,12 @@ def polish(
 
 
 def decide(
-    task: Task, starts: Starts, inner: str, progress: Progress | None
+    task: Task, starts: Starts, kind: str, inner: str, progress: Progress | None
 ) -> tuple[Floats, Mask]:
-    """Scaled controls and the supports they suggest, one for every start."""
+    """Scaled controls and the supports they suggest, one for every start.
+
+    kind : "l1" to let the L1 effort decide, otherwise the count does.
+    """
     count = len(starts.u)
     free = np.broadcast_to(np.asarray(task.arguments.free), starts.u.shape)
     weight = np.asarray(task.arguments.weight)
@@ -181,7 +186,7 @@ def decide(
         free = np.where(starts.confined[:, None, None], free * cheap, free)
     rows = np.broadcast_to(np.asarray(task.arguments.row_weight), (count, task.rows)).copy()
     rows[::2] = np.inf  # the printed cost prefers standing still: half the starts must arrive
-    stage, schedule = ("effort", EFFORT) if task.goal.kind == "l1" else ("count", HOMOTOPY)
+    stage, schedule = ("effort", EFFORT) if kind == "l1" else ("count", HOMOTOPY)
     lanes = Lanes(starts.u * free, free, rows, starts.sign)
     solution = solve_lanes(
         task.system, task.shared, lanes, _settings(task, stage), schedule, inner, progress
@@ -201,9 +206,7 @@ def _better(a: Floats, b: Floats) -> bool:
     return False
 
 
-def improve(
-    task: Task, candidate: Candidates, inner: str, progress: Progress | None
-) -> Candidates:
+def improve(task: Task, candidate: Candidates, inner: str, progress: Progress | None) -> Candidates:
     """Drop and move single intervals of a support for as long as that makes it better."""
     allowed = np.asarray(task.arguments.free)[:, : 1 if task.shared else None] > 0
     for _ in range(_ROUNDS):
@@ -248,15 +251,17 @@ def search(
     guess : (N, b), the system's controls to start from; random pulses without it.
     """
     scaled = None if guess is None else task.from_controls(guess)
-    starts = draw(
-        seed, count, task.intervals, task.size, task.long_way_probability(), scaled
-    )
+    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
 
     def progress(stage: str) -> Progress | None:
         return None if report is None else lambda done: report(stage, done)
 
-    u, supports = decide(task, starts, inner, progress("deciding which intervals are active"))
-    ended = polish(task, u, supports, starts.sign, inner, progress("polishing"))
+    ended = _from_starts(task, starts, task.goal.kind, inner, progress)
+    if task.goal.kind != "l1" and not ended.verdict.reached.any():
+        # Where counting leads nowhere, the L1 optimum is the source's own guess for the support.
+        rescued = _from_starts(task, starts, "l1", inner, progress)
+        if rescued.verdict.reached.any():
+            ended = rescued
     reached_first = task.goal.terminal == "reach"
     pool = ended
     if not reached_first:
@@ -273,6 +278,17 @@ def search(
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
     return Found(ended, best, reaching, _distinct(task, ended))
+
+
+def _from_starts(
+    task: Task,
+    starts: Starts,
+    kind: str,
+    inner: str,
+    progress: Callable[[str], Progress | None],
+) -> Candidates:
+    u, supports = decide(task, starts, kind, inner, progress("deciding which intervals are active"))
+    return polish(task, u, supports, starts.sign, inner, progress("polishing"))
 
 
 def _resting(task: Task) -> Candidates:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from statistics import NormalDist
 from typing import NamedTuple
 
 import jax
@@ -28,11 +30,12 @@ class Starts(NamedTuple):
     confined: np.ndarray
 
 
-def _draw(key: Array, index: Array, intervals: int, size: int) -> tuple[Array, Array, Array]:
-    pulses, heights, coins = jax.random.split(jax.random.fold_in(key, index), 3)
-    height = jnp.exp(_SPREAD * jax.random.normal(heights, (intervals, 1)))
-    direction = jax.random.normal(pulses, (intervals, size))
-    return direction, height, jax.random.uniform(coins, (2,))
+@functools.partial(jax.jit, static_argnames=("count", "length"))
+def _normals(key: Array, count: int, length: int) -> Array:
+    """Standard normals (count, length); row i depends on the key and i alone."""
+    return jax.vmap(lambda i: jax.random.normal(jax.random.fold_in(key, i), (length,)))(
+        jnp.arange(count)
+    )
 
 
 def draw(
@@ -48,15 +51,15 @@ def draw(
     guess : (N, b) scaled controls, e.g. of a PD or L1 solution or the user's own; start 0 is the
     guess itself.
     """
-    key = jax.random.key(seed)
-    direction, height, coins = jax.jit(
-        jax.vmap(lambda i: _draw(key, i, intervals, size))
-    )(jnp.arange(count))
+    per_start = intervals * (size + 1) + 2
+    normals = np.asarray(_normals(jax.random.key(seed), count, per_start))
+    pulses = normals[:, 2:].reshape(count, intervals, size + 1)
+    direction, height = pulses[..., :size], np.exp(_SPREAD * pulses[..., size:])
     if guess is None:
-        u = _AMPLITUDE * np.asarray(direction * height)
+        u = _AMPLITUDE * direction * height
     else:
-        change = np.where(np.arange(count)[:, None, None] == 0, 0.0, np.asarray(direction))
+        change = np.where(np.arange(count)[:, None, None] == 0, 0.0, direction)
         u = guess[None] * (1.0 + _RELATIVE_NOISE * change)
-    coins = np.asarray(coins)
-    sign = np.where(coins[:, 0] < long_way_probability, -1.0, 1.0)
-    return Starts(np.asarray(u), sign, coins[:, 1] < 0.5)
+    chance = np.asarray([[NormalDist().cdf(z) for z in row] for row in normals[:, :2].tolist()])
+    sign = np.where(chance[:, 0] < long_way_probability, -1.0, 1.0)
+    return Starts(u, sign, chance[:, 1] < 0.5)

@@ -82,22 +82,33 @@ class _Values(NamedTuple):
     stage: Array
 
 
-class _State(NamedTuple):
-    x: Array
-    inner_state: Any
+class _Terms(NamedTuple):
+    """What makes the augmented Lagrangian of an inner minimisation."""
+
     multipliers: Multipliers
     penalty: Array
     stage_penalty: Array
     smoothing: Array
+
+
+class _State(NamedTuple):
+    x: Array
+    inner_state: Any
+    terms: _Terms
     inner_steps: Array
     best_violation: Array
-    violation: Array
+    stalls: Array
     stationarity: Array
     status: Array
     iterations: Array
 
 
 _RUNNING = -1
+_LARGE_MULTIPLIER = 100.0
+_LOOSE_STATIONARITY = 1e-2
+_SHRINKS_WELL = 0.25
+_SHRINKS = 0.9
+_MOST_STALLS = 5
 
 
 def _largest(values: Array) -> Array:
@@ -126,17 +137,9 @@ def _equality_penalty(program: Program, x: Array, args: Any, penalty: Array, row
     return jnp.where(jnp.isinf(weight), penalty, weight)
 
 
-def _merit(
-    program: Program,
-    x: Array,
-    args: Any,
-    values: _Values,
-    multipliers: Multipliers,
-    penalty: Array,
-    stage_penalty: Array,
-    smoothing: Array,
-) -> Array:
+def _merit(program: Program, x: Array, args: Any, values: _Values, terms: _Terms) -> Array:
     """Augmented Lagrangian (Powell, Hestenes, Rockafellar form) at evaluated constraints."""
+    multipliers, penalty, stage_penalty, smoothing = terms
     weight = _equality_penalty(program, x, args, penalty, values.equality)
     pushed = jnp.maximum(0.0, multipliers.inequality - penalty * values.inequality)
     pushed_stage = jnp.maximum(0.0, multipliers.stage - stage_penalty * values.stage)
@@ -192,6 +195,10 @@ def solve(
     def as_array(value) -> Array:
         return jnp.asarray(value, dtype)
 
+    def pushed(multipliers: Array, penalty: Array, values: Array) -> Array:
+        """Multiplier estimate of inequalities, zero where they are satisfied with room to spare."""
+        return jnp.maximum(0.0, multipliers - penalty * values)
+
     def body(state: _State) -> _State:
         x = state.x
         equality, equality_rows = _jacobian(lambda y: program.equality(y, args), x)
@@ -201,149 +208,126 @@ def solve(
         free = program.free(x, args)
         violation = _violation(program, x, args, values)
 
-        def gradient_at(multipliers, penalty, stage_penalty, smoothing):
-            weight = _equality_penalty(program, x, args, penalty, equality)
-            pushed = jnp.maximum(0.0, multipliers.inequality - penalty * inequality)
-            pushed_stage = jnp.maximum(0.0, multipliers.stage - stage_penalty * stage)
+        def estimate(terms: _Terms) -> tuple[Multipliers, Array]:
+            """First-order multiplier estimate and the gradient of the augmented Lagrangian."""
+            weight = _equality_penalty(program, x, args, terms.penalty, equality)
+            estimates = Multipliers(
+                terms.multipliers.equality + weight * equality,
+                pushed(terms.multipliers.inequality, terms.penalty, inequality),
+                pushed(terms.multipliers.stage, terms.stage_penalty, stage),
+            )
             gradient = (
-                jax.grad(program.objective)(x, args, smoothing)
-                + jnp.einsum("m,mki->ki", multipliers.equality + weight * equality, equality_rows)
-                - jnp.einsum("m,mki->ki", pushed, inequality_rows)
-                - jnp.einsum("kq,kqi->ki", pushed_stage, stage_rows)
+                jax.grad(program.objective)(x, args, terms.smoothing)
+                + jnp.einsum("m,mki->ki", estimates.equality, equality_rows)
+                - jnp.einsum("m,mki->ki", estimates.inequality, inequality_rows)
+                - jnp.einsum("kq,kqi->ki", estimates.stage, stage_rows)
             )
-            scale = jnp.maximum(
-                1.0,
-                (
-                    _largest(jnp.where(jnp.isinf(weight), 0.0, 0.0) + multipliers.equality)
-                    + _largest(pushed)
-                    + _largest(pushed_stage)
-                )
-                / 100.0,
-            )
-            return gradient * free, weight, pushed, pushed_stage, scale
+            return estimates, gradient * free
 
-        gradient, *_, scale = gradient_at(
-            state.multipliers, state.penalty, state.stage_penalty, state.smoothing
+        # Has the inner minimisation ended, has the whole solve?
+        terms = state.terms
+        estimates, gradient = estimate(terms)
+        largest = jnp.maximum(
+            _largest(estimates.equality),
+            jnp.maximum(_largest(estimates.inequality), _largest(estimates.stage)),
         )
-        stationarity = _largest(gradient) / scale
-        final_smoothing = state.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
-        inner_tolerance = jnp.where(
-            final_smoothing, schedule.tolerance, jnp.maximum(schedule.tolerance, 1e-2)
-        )
-        inner_minimum = stationarity <= inner_tolerance
-        finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
-        feasible = violation <= schedule.tolerance
-        converged = final_smoothing & feasible & (stationarity <= schedule.tolerance)
-
+        stationarity = _largest(gradient) / jnp.maximum(1.0, largest / _LARGE_MULTIPLIER)
+        final = terms.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
+        loose = jnp.maximum(schedule.tolerance, _LOOSE_STATIONARITY)
+        inner_minimum = stationarity <= jnp.where(final, schedule.tolerance, loose)
         ended = inner_minimum | (state.inner_steps >= schedule.max_inner)
-        shrunk = (violation <= 0.25 * state.best_violation) | feasible
+        feasible = violation <= schedule.tolerance
+        finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
+        converged = final & feasible & (stationarity <= schedule.tolerance)
         update = ended & (schedule.update_multipliers > 0)
-        hard = jnp.isinf(
-            jnp.broadcast_to(program.equality_weight(x, args), equality.shape)
-        )
-        fresh = Multipliers(
-            state.multipliers.equality + jnp.where(hard, state.penalty * equality, 0.0),
-            jnp.maximum(0.0, state.multipliers.inequality - state.penalty * inequality),
-            jnp.maximum(0.0, state.multipliers.stage - state.stage_penalty * stage),
-        )
-        multipliers = jax.tree.map(
-            lambda new, old: jnp.where(update, new, old), fresh, state.multipliers
-        )
-        grow = jnp.where(update & ~shrunk, schedule.penalty_growth, 1.0)
-        penalty = jnp.minimum(state.penalty * grow, schedule.penalty_limit)
-        stage_penalty = jnp.minimum(state.stage_penalty * grow, schedule.penalty_limit)
-        smoothing = jnp.where(
-            ended,
-            jnp.maximum(schedule.smoothing_end, state.smoothing * schedule.smoothing_factor),
-            state.smoothing,
+        stalled = update & ~feasible & (violation > _SHRINKS * state.best_violation)
+        stalls = state.stalls + jnp.where(stalled, 1, 0)
+        status = jnp.where(
+            ~finite,
+            Status.NOT_FINITE,
+            jnp.where(
+                converged,
+                Status.CONVERGED,
+                jnp.where(stalls >= _MOST_STALLS, Status.INFEASIBLE, _RUNNING),
+            ),
         )
 
-        gradient, weight, pushed, pushed_stage, _ = gradient_at(
-            multipliers, penalty, stage_penalty, smoothing
+        # If it has: new multipliers, penalty and smoothing, on the spot.
+        hard = jnp.isinf(jnp.broadcast_to(program.equality_weight(x, args), equality.shape))
+        fresh = estimates._replace(equality=jnp.where(hard, estimates.equality, 0.0))
+        shrunk = feasible | (violation <= _SHRINKS_WELL * state.best_violation)
+        growth = jnp.where(update & ~shrunk, schedule.penalty_growth, 1.0)
+        terms = _Terms(
+            jax.tree.map(lambda new, old: jnp.where(update, new, old), fresh, terms.multipliers),
+            jnp.minimum(terms.penalty * growth, schedule.penalty_limit),
+            jnp.minimum(terms.stage_penalty * growth, schedule.penalty_limit),
+            jnp.where(
+                ended,
+                jnp.maximum(schedule.smoothing_end, terms.smoothing * schedule.smoothing_factor),
+                terms.smoothing,
+            ),
         )
-        active = jnp.where(pushed_stage > 0, stage_penalty, 0.0)
+
+        # One step of the inner minimisation.
+        estimates, gradient = estimate(terms)
+        active = jnp.where(estimates.stage > 0, terms.stage_penalty, 0.0)
+        weight = _equality_penalty(program, x, args, terms.penalty, equality)
         model = LocalModel(
-            program.curvature(x, args, smoothing)
+            program.curvature(x, args, terms.smoothing)
             + jnp.einsum("kq,kqi,kqj->kij", active, stage_rows, stage_rows),
             jnp.concatenate([equality_rows, inequality_rows]),
-            jnp.concatenate([weight, jnp.where(pushed > 0, penalty, 0.0)]),
+            jnp.concatenate([weight, jnp.where(estimates.inequality > 0, terms.penalty, 0.0)]),
             free,
         )
 
         def value_fn(y: Array) -> Array:
-            return _merit(
-                program,
-                y,
-                args,
-                _evaluate(program, y, args),
-                multipliers,
-                penalty,
-                stage_penalty,
-                smoothing,
-            )
+            return _merit(program, y, args, _evaluate(program, y, args), terms)
 
-        value = _merit(
-            program, x, args, values, multipliers, penalty, stage_penalty, smoothing
-        )
         step, inner_state = inner.update(
             gradient,
             state.inner_state,
             x,
             model=model,
-            value=value,
+            value=_merit(program, x, args, values, terms),
             grad=gradient,
             value_fn=value_fn,
         )
-        stop = converged | ~finite
-        iterations = state.iterations + jnp.where(stop, 0, 1)
-        status = jnp.where(
-            ~finite,
-            Status.NOT_FINITE,
-            jnp.where(converged, Status.CONVERGED, _RUNNING),
-        )
-        keep = stop
-
-        def held(new, old):
-            return jax.tree.map(lambda n, o: jnp.where(keep, o, n), new, old)
-
-        return _State(
-            held(x + step * free, x),
-            held(inner_state, state.inner_state),
-            held(multipliers, state.multipliers),
-            penalty,
-            stage_penalty,
-            held(smoothing, state.smoothing),
+        moved = _State(
+            x + step * free,
+            inner_state,
+            terms,
             jnp.where(ended, 1, state.inner_steps + 1),
             jnp.where(ended, jnp.minimum(state.best_violation, violation), state.best_violation),
-            violation,
+            stalls,
             stationarity,
             status,
-            iterations,
+            state.iterations + 1,
         )
+        held = state._replace(status=status, stationarity=stationarity)
+        return jax.tree.map(lambda new, old: jnp.where(status == _RUNNING, new, old), moved, held)
 
     def running(state: _State) -> Array:
         return (state.status == _RUNNING) & (state.iterations < schedule.max_iterations)
 
-    infinite = jnp.asarray(jnp.inf, dtype)
     start = _State(
         x0,
         inner.init(x0),
-        zeros,
-        as_array(schedule.penalty),
-        as_array(schedule.stage_penalty),
-        as_array(schedule.smoothing_start),
+        _Terms(
+            zeros,
+            as_array(schedule.penalty),
+            as_array(schedule.stage_penalty),
+            as_array(schedule.smoothing_start),
+        ),
         jnp.asarray(0),
-        infinite,
-        infinite,
-        infinite,
+        as_array(jnp.inf),
+        jnp.asarray(0),
+        as_array(jnp.inf),
         jnp.asarray(_RUNNING),
         jnp.asarray(0),
     )
     end = lax.while_loop(running, body, start)
     violation = _violation(program, end.x, args, _evaluate(program, end.x, args))
-    unfinished = jnp.where(
-        violation <= schedule.tolerance, Status.FEASIBLE, Status.ITERATION_LIMIT
-    )
+    unfinished = jnp.where(violation <= schedule.tolerance, Status.FEASIBLE, Status.ITERATION_LIMIT)
     status = jnp.where(end.status == _RUNNING, unfinished, end.status)
     return Solution(
         end.x,
@@ -351,6 +335,6 @@ def solve(
         status,
         violation,
         end.stationarity,
-        end.multipliers,
+        end.terms.multipliers,
         end.iterations,
     )

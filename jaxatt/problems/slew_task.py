@@ -15,13 +15,23 @@ from jaxatt.problems import sparsity
 from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters, slew_system
 from jaxatt.problems.task import Floats, Goal, Task, Verdict
+from jaxatt.simulation.chunks import padded_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.momentum_model import BodyParameters
-from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _LONGEST_SUBSTEP_PHASE = 0.35
 """[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """Where a slew begins: q_ob (4,), omega_ob (3,) [rad/s], omega_bw (n,) [rad/s]."""
+
+    q_ob: Floats
+    omega_ob: Floats
+    omega_bw: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +72,22 @@ def automatic_substeps(step: float, surroundings: Surroundings) -> int:
     return max(1, int(np.ceil(phase / _LONGEST_SUBSTEP_PHASE - 1e-9)))
 
 
+def _compared(q_ref: Floats, q: Floats) -> tuple[Floats, Floats]:
+    """As `_compare`, for (4,) and (S, 4), on the host."""
+    chunks = [
+        [np.asarray(leaf)[:size] for leaf in _compare(q_ref, chunk)]
+        for chunk, size in padded_chunks(q)
+    ]
+    angle, metric = (np.concatenate(leaves) for leaves in zip(*chunks, strict=True))
+    return angle, metric
+
+
+@jax.jit
+def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
+    """Angle [rad] and smoothed metric g (5.2) between attitudes."""
+    return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
+
+
 @jax.jit
 def _fly_many(
     craft: Spacecraft, start: AttitudeState, wheel_torque: Array, table: EnvironmentTable
@@ -72,7 +98,7 @@ def _fly_many(
 class SlewTask(Task):
     """One slew, or one leg of several.
 
-    craft : vehicle.  start : state at the first node.  aim, passage : what must be met.
+    craft : vehicle.  departure, aim, passage : where it begins, ends and passes.
     axes : "body" or "wheels", the axes of the decision variables.
     weight : (N,), h_k.  forbidden : (N,), intervals without torque.
     """
@@ -83,7 +109,7 @@ class SlewTask(Task):
         self,
         craft: Spacecraft,
         surroundings: Surroundings,
-        start: AttitudeState,
+        departure: Departure,
         aim: Aim,
         grid: Grid,
         goal: Goal,
@@ -92,7 +118,7 @@ class SlewTask(Task):
         passage: Passage | None = None,
         axes: str = "body",
     ):
-        self.craft, self.start, self.aim, self.goal = craft, start, aim, goal
+        self.craft, self.aim, self.goal = craft, aim, goal
         self.grid, self.passage, self.axes = grid, passage, axes
         self.intervals, self.step = grid.intervals, grid.step
         substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
@@ -100,7 +126,13 @@ class SlewTask(Task):
         self.table = tabulate(
             surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
         )
-        self.substeps, self.flight_substeps = substeps, fine
+        self.substeps = substeps
+        self.start = at_relative_rate(
+            departure.q_ob,
+            departure.omega_ob,
+            departure.omega_bw,
+            jax.tree.map(lambda leaf: leaf[0], self.table.nodes),
+        )
         wheels = craft.wheels
         limit = np.asarray(wheels.torque_limit)
         allocation = np.asarray(wheels.allocation)
@@ -175,7 +207,8 @@ class SlewTask(Task):
     def to_controls(self, u: Floats | Array) -> Floats:
         """Torques on the wheels in the optimisation's axes [N m], within limits, thresholded."""
         torque = np.asarray(u, float) * self.scale
-        torque = np.where(np.abs(torque) <= self.threshold, 0.0, torque)
+        size = np.abs(torque).max(axis=-1, keepdims=True) if self.shared else np.abs(torque)
+        torque = np.where(size <= self.threshold, 0.0, torque)
         relative = np.abs(torque @ self._to_wheel.T) / np.asarray(self.craft.wheels.torque_limit)
         return np.asarray(torque / np.maximum(1.0, relative.max(axis=-1, keepdims=True)))
 
@@ -193,15 +226,21 @@ class SlewTask(Task):
 
     def fly(self, controls: Floats) -> Trajectory:
         """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
-        wheel = jnp.asarray(self.wheel_torque(controls))
-        flown = _fly_many(self.craft, self.start, wheel, self.table)
-        return jax.tree.map(np.asarray, flown)
+        wheel = self.wheel_torque(controls)
+        parts = [
+            jax.tree.map(
+                lambda leaf, size=size: np.asarray(leaf)[:size],
+                _fly_many(self.craft, self.start, chunk, self.table),
+            )
+            for chunk, size in padded_chunks(wheel)
+        ]
+        return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
         """Errors of a flight at the end of the horizon and at the waypoint."""
         end = self.intervals
         found = {
-            "attitude": np.asarray(errors.angle(self.aim.q_ob, flown.q_ob[:, end])),
+            "attitude": _compared(self.aim.q_ob, flown.q_ob[:, end])[0],
             "rate": np.linalg.norm(flown.omega_ob[:, end] - self.aim.omega_ob, axis=-1),
         }
         tolerances = {
@@ -210,7 +249,7 @@ class SlewTask(Task):
         }
         if self.passage is not None:
             q = flown.q_ob[:, self.passage.node]
-            found["waypoint"] = np.asarray(errors.angle(self.passage.q_ob, q))
+            found["waypoint"] = _compared(self.passage.q_ob, q)[0]
             tolerances["waypoint"] = self.passage.tolerance
         wheels = self.craft.wheels
         excess = np.abs(self.wheel_torque(controls)) - np.asarray(wheels.torque_limit)
@@ -237,14 +276,11 @@ class SlewTask(Task):
         rate = flown.omega_ob[:, end] - self.aim.omega_ob
         parts = {
             "rate": w.rate * np.sum(rate**2, axis=-1),
-            "attitude": w.attitude
-            * np.asarray(errors.smooth_pseudo_metric(self.aim.q_ob, flown.q_ob[:, end])),
+            "attitude": w.attitude * _compared(self.aim.q_ob, flown.q_ob[:, end])[1],
         }
         if self.passage is not None:
             q = flown.q_ob[:, self.passage.node]
-            parts["waypoint"] = w.waypoint * np.asarray(
-                errors.smooth_pseudo_metric(self.passage.q_ob, q)
-            )
+            parts["waypoint"] = w.waypoint * _compared(self.passage.q_ob, q)[1]
         if self.goal.kind == "l1":
             parts["l1"] = w.sparsity * np.abs(controls).sum(axis=(-2, -1))
         else:
@@ -265,5 +301,5 @@ class SlewTask(Task):
 
     def long_way_probability(self) -> float:
         """Half for a half turn, falling with the fourth power of the angle."""
-        angle = float(errors.angle(self.aim.q_ob, self.start.q_ob))
+        angle = float(_compared(self.aim.q_ob, np.asarray(self.start.q_ob)[None])[0][0])
         return 0.5 * (angle / np.pi) ** 4

@@ -16,6 +16,9 @@ import jax.numpy as jnp
 from jax import Array
 
 
+_MAJORISER_SHARE = 0.2
+
+
 def _squared_groups(u: Array, shared: bool) -> Array:
     squared = u**2
     return jnp.sum(squared, axis=-1, keepdims=True) if shared else squared
@@ -45,8 +48,14 @@ def absolute_effort(u: Array, smoothing: Array) -> Array:
 
 
 def absolute_effort_curvature(u: Array, smoothing: Array) -> Array:
-    """Diagonal of the quadratic that majorises `absolute_effort` at u."""
-    return 1.0 / jnp.sqrt(u**2 + smoothing**2)
+    """Diagonal curvature for `absolute_effort`: its Hessian, but never much below the majoriser.
+
+    The quadratic that majorises the function alone converges linearly; the Hessian alone vanishes
+    away from zero and overshoots.
+    """
+    squared = u**2 + smoothing**2
+    majoriser = 1.0 / jnp.sqrt(squared)
+    return jnp.maximum(smoothing**2 * majoriser**3, _MAJORISER_SHARE * majoriser)
 
 
 def complementarity_vector(torque: Array, epsilon: Array, shared: bool = True) -> Array:

@@ -17,6 +17,7 @@ from jax import Array, lax
 from jaxatt.problems import sparsity
 from jaxatt.problems.hands_off import SparseArguments, SparseSystem
 from jaxatt.problems.task import Floats, Goal, Task, Verdict
+from jaxatt.simulation.chunks import padded_chunks
 
 _VERIFICATION_FACTOR = 20
 
@@ -96,6 +97,11 @@ def toy_system(name: str, substeps: int) -> SparseSystem:
     )
 
 
+@functools.partial(jax.jit, static_argnames=("name", "substeps"))
+def _fly_many(name: str, controls: Array, p: ToyParameters, substeps: int) -> Array:
+    return jax.vmap(lambda u: simulate(SYSTEMS[name], u[:, 0], p, substeps))(controls)
+
+
 class ToyTask(Task):
     """Drive a toy system from one state to another with a sparse control."""
 
@@ -142,9 +148,11 @@ class ToyTask(Task):
     def fly(self, controls: Floats) -> Floats:
         """States (S, N + 1, 2) with twenty times the substeps of the optimisation."""
         steps = self.substeps * _VERIFICATION_FACTOR
-        system = SYSTEMS[self.name]
-        run = jax.jit(jax.vmap(lambda u: simulate(system, u[:, 0], self.parameters, steps)))
-        return np.asarray(run(jnp.asarray(controls)))
+        parts = [
+            np.asarray(_fly_many(self.name, chunk, self.parameters, steps))[:size]
+            for chunk, size in padded_chunks(controls)
+        ]
+        return np.concatenate(parts)
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
         """Simulate again with fine steps."""

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.environment import KeplerianElements
-from jaxatt.environment.table import Surroundings, environment_at
-from jaxatt.problems.slew_task import Aim, Grid, Passage, SlewTask
+from jaxatt.environment.table import Surroundings
+from jaxatt.problems.slew_task import Aim, Departure, Grid, Passage, SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
 from jaxatt.problems.toy import ToyTask
 from jaxatt.scenarios.model import SPACECRAFT, Scenario
 from jaxatt.scenarios.windows import forbidden_mask, window_weights
-from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 
 
 def surroundings_of(scenario: Scenario) -> Surroundings:
@@ -42,15 +40,6 @@ def surroundings_of(scenario: Scenario) -> Surroundings:
     )
 
 
-def initial_state(scenario: Scenario) -> AttitudeState:
-    """State of the spacecraft at the first node."""
-    initial = scenario.initial
-    environment = jax.jit(environment_at)(surroundings_of(scenario), jnp.asarray(0.0))
-    return at_relative_rate(
-        jnp.asarray(initial.q_ob), jnp.asarray(initial.omega_ob), initial.omega_bw, environment
-    )
-
-
 def goal_of(scenario: Scenario) -> Goal:
     """What the scenario minimises."""
     o = scenario.objective
@@ -58,11 +47,11 @@ def goal_of(scenario: Scenario) -> Goal:
     return Goal(o.kind, o.terminal, o.design, o.epsilon, weights)
 
 
-def build_task(scenario: Scenario, leg: int = 0, start: AttitudeState | None = None) -> Task:
+def build_task(scenario: Scenario, leg: int = 0, departure: Departure | None = None) -> Task:
     """Task of one leg of a scenario.
 
-    leg : index into `scenario.targets`.  start : state where the leg begins, by default the
-    scenario's own; successive legs hand over the flown end of the one before.
+    leg : index into `scenario.targets`.  departure : where the leg begins, by default where the
+    scenario does; successive legs hand over the flown end of the one before.
     """
     horizon, target, goal = scenario.horizon, scenario.targets[leg], goal_of(scenario)
     if scenario.system != SPACECRAFT:
@@ -78,12 +67,12 @@ def build_task(scenario: Scenario, leg: int = 0, start: AttitudeState | None = N
             horizon.substeps or 4,
         )
     assert scenario.vehicle is not None
-    passing = scenario.waypoint
+    initial, passing = scenario.initial, scenario.waypoint
     moving = goal.kind == "moving-l0"
     return SlewTask(
         craft=scenario.vehicle,
         surroundings=surroundings_of(scenario),
-        start=initial_state(scenario) if start is None else start,
+        departure=departure or Departure(initial.q_ob, initial.omega_ob, initial.omega_bw),
         aim=Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
         grid=Grid(
             horizon.intervals,

@@ -41,16 +41,8 @@ class Trajectory:
     omega_ib: Array
     wheel_torque: Array
 
-    def state(self, node: int) -> AttitudeState:
-        """State at one node."""
-        return AttitudeState(
-            self.q_ob[..., node, :], self.omega_ib[..., node, :], self.omega_bw[..., node, :]
-        )
 
-
-def fly(
-    craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTable
-) -> Trajectory:
+def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTable) -> Trajectory:
     """Fly a control law through all intervals of `table`, feedback evaluated at every stage."""
     h = table.substep
 

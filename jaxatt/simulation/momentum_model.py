@@ -95,11 +95,13 @@ def derivative(
             1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]),
         )
         tidal = _cross(down, _matvec(body.inertia, down))
-        momentum_rate = tuple(momentum_rate[i]
-            + environment.gradient * tidal[i]
-            + environment.disturbance[i]
-            for i in range(3))
-    omega_rate = _matvec(body.inverse_inertia, tuple(momentum_rate[i] - torque[i] for i in range(3)))
+        momentum_rate = tuple(
+            momentum_rate[i] + environment.gradient * tidal[i] + environment.disturbance[i]
+            for i in range(3)
+        )
+    omega_rate = _matvec(
+        body.inverse_inertia, tuple(momentum_rate[i] - torque[i] for i in range(3))
+    )
     return q_rate + omega_rate + momentum_rate
 
 

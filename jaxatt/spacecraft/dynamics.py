@@ -54,9 +54,7 @@ def derivative(
     inertia = jnp.asarray(craft.inertia)
     q = quaternion.normalize(state.q_ob)
     down = quaternion.rotate_inverse(q, jnp.asarray([0.0, 0.0, 1.0], q.dtype))
-    external = (
-        environment.gradient * jnp.cross(down, inertia @ down) + environment.disturbance
-    )
+    external = environment.gradient * jnp.cross(down, inertia @ down) + environment.disturbance
     momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
     omega_rate = jnp.linalg.solve(
         jnp.asarray(craft.inertia_without_spin),
