@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import jax
@@ -14,9 +14,16 @@ from jax import Array
 
 from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
-from jaxatt.problems.hands_off import SparseArguments, SparseSystem, sparse_program
+from jaxatt.problems.hands_off import (
+    SparseArguments,
+    SparseSystem,
+    slack_program,
+    sparse_program,
+    with_slacks,
+)
+from jaxatt.problems.program import Program
 from jaxatt.problems.task import Floats
-from jaxatt.simulation.chunks import padded_chunks
+from jaxatt.simulation.chunks import CHUNK, padded_chunks
 
 Progress = Callable[[int], None]
 """Called by the host with the number of starts that have just ended."""
@@ -34,42 +41,61 @@ class Lanes(NamedTuple):
     sign: Floats
 
 
-@functools.partial(jax.jit, static_argnames=("system", "shared", "inner"))
+@dataclass(frozen=True)
+class Form:
+    """What is compiled in.
+
+    system : the controlled system.  shared : whether an interval's controls count as one.
+    slacks : whether the L1 problem with slacks is solved, otherwise the sparse one.
+    inner : name of the inner minimiser.
+    """
+
+    system: SparseSystem
+    shared: bool
+    slacks: bool = False
+    inner: str = "gauss-newton"
+
+    @property
+    def program(self) -> Program:
+        """The programme that the solver gets."""
+        build = slack_program if self.slacks else sparse_program
+        return build(self.system, self.shared)
+
+
+@functools.partial(jax.jit, static_argnames=("form",))
 def _solve_chunk(
-    system: SparseSystem,
-    shared: bool,
-    inner: str,
-    lanes: Lanes,
-    arguments: SparseArguments,
-    schedule: Schedule,
+    form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:
-    program = sparse_program(system, shared)
+    inner = inner_minimiser(form.inner)
 
     def one(lane: Lanes) -> Solution:
         arg = replace(
             arguments,
-            plant=system.turned(arguments.plant, lane.sign),
+            plant=form.system.turned(arguments.plant, lane.sign),
             free=lane.free,
             row_weight=lane.row_weight,
         )
-        return solve(program, jnp.asarray(lane.u), arg, schedule, inner_minimiser(inner))
+        u = jnp.asarray(lane.u)
+        if not form.slacks:
+            return solve(form.program, u, arg, schedule, inner)
+        solution = solve(form.program, with_slacks(u, form.shared), arg, schedule, inner)
+        return solution._replace(x=solution.x[:, : u.shape[1]])
 
     return jax.vmap(one)(lanes)
 
 
 def solve_lanes(
-    system: SparseSystem,
-    shared: bool,
+    form: Form,
     lanes: Lanes,
     arguments: SparseArguments,
     schedule: Schedule,
-    inner: str = "gauss-newton",
     progress: Progress | None = None,
+    rows: int = CHUNK,
 ) -> Solution:
-    """Solve all lanes, chunk by chunk, and gather the results on the host."""
+    """Solve all lanes, chunk by chunk of `rows`, and gather the results on the host."""
     parts = []
-    for chunk, size in padded_chunks(lanes):
-        solution = _solve_chunk(system, shared, inner, chunk, arguments, schedule)
+    for chunk, size in padded_chunks(lanes, rows):
+        solution = _solve_chunk(form, chunk, arguments, schedule)
         parts.append(jax.tree.map(lambda leaf, size=size: np.asarray(leaf)[:size], solution))
         if progress is not None:
             progress(size)

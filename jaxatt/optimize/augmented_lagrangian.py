@@ -17,8 +17,8 @@ import optax
 from jax import Array, lax
 
 from jaxatt.optimize.gauss_newton import LocalModel
-from jaxatt.problems.program import Program
 from jaxatt.optimize.status import Status
+from jaxatt.problems.program import Program
 
 
 @jax.tree_util.register_dataclass

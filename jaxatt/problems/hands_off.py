@@ -88,3 +88,45 @@ def sparse_program(system: SparseSystem, shared: bool) -> Program:
         stage_inequality=lambda u, args: system.stage_margins(u, args.plant),
         free=lambda u, args: args.free,
     )
+
+
+def with_slacks(u: Array, shared: bool) -> Array:
+    """Controls (..., N, b) with their slacks |u| beside them, as `slack_program` wants them."""
+    size = jnp.abs(u)
+    slack = jnp.max(size, axis=-1, keepdims=True) if shared else size
+    return jnp.concatenate([u, slack], axis=-1)
+
+
+@functools.cache
+def slack_program(system: SparseSystem, shared: bool) -> Program:
+    """Programme of the L1 problem with slacks s: minimise the sum of s with -s <= u <= s.
+
+    The variables of an interval are its b controls, then one slack for all of them (5.7), or one
+    for each (3.20) where `shared` is false.  The objective is linear, so the smoothing enters as
+    curvature alone: it keeps the Newton step bounded and does not move the optimum.
+    """
+
+    def controls(x: Array) -> Array:
+        size = x.shape[1] - 1 if shared else x.shape[1] // 2
+        return x[:, :size]
+
+    def slacks(x: Array) -> Array:
+        return x[:, controls(x).shape[1] :]
+
+    def stage_inequality(x: Array, args: SparseArguments) -> Array:
+        u, s = controls(x), slacks(x)
+        return jnp.concatenate([system.stage_margins(u, args.plant), s - u, s + u], axis=1)
+
+    def curvature(x: Array, args: SparseArguments, smoothing: Array) -> Array:
+        eye = jnp.eye(x.shape[1], dtype=x.dtype)[None]
+        return args.effort_scale * smoothing * jnp.repeat(eye, x.shape[0], axis=0)
+
+    return Program(
+        objective=lambda x, args, smoothing: args.effort_scale * jnp.sum(slacks(x)),
+        curvature=curvature,
+        equality=lambda x, args: system.rows(controls(x), args.plant),
+        equality_weight=lambda x, args: args.row_weight,
+        inequality=lambda x, args: system.margins(controls(x), args.plant),
+        stage_inequality=stage_inequality,
+        free=lambda x, args: jnp.concatenate([args.free, jnp.ones_like(slacks(x))], axis=1),
+    )

@@ -1,4 +1,4 @@
-"""A slew of a spacecraft with reaction wheels as a task: arguments for the solver, and its judge."""
+"""A slew of a spacecraft with reaction wheels: arguments for the solver, and its judge."""
 
 from __future__ import annotations
 
@@ -282,7 +282,7 @@ class SlewTask(Task):
             q = flown.q_ob[:, self.passage.node]
             parts["waypoint"] = w.waypoint * _compared(self.passage.q_ob, q)[1]
         if self.goal.kind == "l1":
-            parts["l1"] = w.sparsity * np.abs(controls).sum(axis=(-2, -1))
+            parts["l1"] = w.sparsity * self.slack_sum(controls)
         else:
             parts["sparsity"] = w.sparsity * self._support_cost(controls)
         return parts

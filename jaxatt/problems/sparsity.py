@@ -15,7 +15,6 @@ from __future__ import annotations
 import jax.numpy as jnp
 from jax import Array
 
-
 _MAJORISER_SHARE = 0.2
 
 

@@ -142,6 +142,12 @@ class Task(ABC):
     def effort(self, controls: Floats) -> Floats:
         """L1 effort (S,): the sum over intervals and axes of |control| times the step."""
 
+    def slack_sum(self, controls: Floats) -> Floats:
+        """Sum of the L1 problem's slacks, (S,): the largest |control| of every interval (5.7a)."""
+        size = np.abs(controls)
+        slack = size.max(axis=-1, keepdims=True) if self.shared else size
+        return np.asarray(slack.sum(axis=(-2, -1)))
+
     @abstractmethod
     def long_way_probability(self) -> float:
         """How often a random start should aim at the target the long way round."""

@@ -118,7 +118,7 @@ class ToyTask(Task):
         limit: float,
         tolerance: float,
         goal: Goal,
-        substeps: int = 4,
+        substeps: int = 2,
     ):
         self.name, self.goal, self.intervals, self.step = name, goal, intervals, step
         self.limit, self.tolerance, self.substeps = limit, tolerance, substeps

@@ -64,7 +64,7 @@ def build_task(scenario: Scenario, leg: int = 0, departure: Departure | None = N
             scenario.control.limit,
             target.state_tolerance,
             goal,
-            horizon.substeps or 4,
+            horizon.substeps or 2,
         )
     assert scenario.vehicle is not None
     initial, passing = scenario.initial, scenario.waypoint

@@ -1,0 +1,68 @@
+"""The PD law flown through all legs of a scenario, judged like an optimised answer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import jax
+import numpy as np
+
+from jaxatt.problems.slew_task import Departure, SlewTask
+from jaxatt.report.result import Flags
+from jaxatt.scenarios.build import build_task
+from jaxatt.scenarios.model import Scenario
+from jaxatt.solving import fly_pd
+
+
+@dataclass(frozen=True, eq=False)
+class FlownPD:
+    """One leg under the PD law.
+
+    active : (N,), intervals whose mean body torque is above the threshold of 1e-6 N m.
+    errors : name -> number, as in `jaxatt.report.result.Leg`.
+    effort : L1 effort of the mean body torques [N m s].  cost : the printed cost.
+    """
+
+    active: Flags
+    errors: Mapping[str, float]
+    effort: float
+    cost: float
+    reached: bool
+
+
+def fly_pd_legs(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]:
+    """Fly the PD law (5.8) of Schaanning (2021) on every leg; the next starts where one ended.
+
+    clipped : whether each wheel's torque is held within its limit.
+    """
+    legs: list[FlownPD] = []
+    departure: Departure | None = None
+    for index in range(len(scenario.targets)):
+        task = build_task(scenario, index, departure)
+        if not isinstance(task, SlewTask):
+            raise ValueError(
+                f"{scenario.name}: the PD law is for spacecraft, not {scenario.system}"
+            )
+        flown = fly_pd(task, clipped)
+        end = task.intervals
+        departure = Departure(
+            *(np.asarray(part[end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
+        )
+        wheel = np.asarray(flown.wheel_torque)[None, :end]
+        body = wheel @ np.asarray(task.craft.wheels.axes).T
+        controls = wheel if task.axes == "wheels" else body
+        batch = jax.tree.map(lambda leaf: leaf[None], flown)
+        verdict, cost = task.judge(batch, controls), task.cost(batch, controls)
+        legs.append(
+            FlownPD(
+                active=(np.abs(body[0]) > task.threshold).any(axis=1),
+                errors={name: float(error[0]) for name, error in verdict.errors.items()},
+                effort=float(np.abs(body).sum() * task.step),
+                cost=float(sum(part[0] for part in cost.values())),
+                reached=bool(
+                    all(error[0] <= verdict.tolerances[n] for n, error in verdict.errors.items())
+                ),
+            )
+        )
+    return tuple(legs)

@@ -1,0 +1,250 @@
+"""The command line: solve a scenario, compare controllers on it, list the bundled scenarios.
+
+Exit codes: 0 when every leg verifiably reached its target, 2 for bad input, 3 when the answer
+does not reach, 130 when interrupted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from jaxatt.report.result import Result
+    from jaxatt.scenarios import Scenario
+
+BAD_INPUT, NOT_REACHED, INTERRUPTED = 2, 3, 130
+
+
+class Terminal(StrEnum):
+    """How the end of the manoeuvre enters."""
+
+    reach = "reach"
+    penalty = "penalty"
+
+
+class Objective(StrEnum):
+    """What is made sparse."""
+
+    l0 = "l0"
+    moving_l0 = "moving-l0"
+    l1 = "l1"
+
+
+app = typer.Typer(
+    name="jaxatt",
+    help="Spacecraft attitude manoeuvres that touch the actuators least.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+bundled = typer.Typer(help="List the bundled scenarios, or print one as TOML.")
+app.add_typer(bundled, name="scenarios")
+
+Case = Annotated[
+    str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled scenario or a TOML file.")
+]
+Starts = Annotated[
+    int | None, typer.Option(min=1, help="Number of starts.", show_default="the scenario's")
+]
+Seed = Annotated[
+    int | None,
+    typer.Option(min=0, help="Seed of the random starts.", show_default="the scenario's"),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(help="Folder for the files, made if missing.", show_default="results/NAME"),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]
+
+
+@app.command()
+def solve(
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    terminal: Annotated[
+        Terminal | None,
+        typer.Option(help="Reach the target, or minimise the printed cost.", show_default=False),
+    ] = None,
+    objective: Annotated[
+        Objective | None, typer.Option(help="What is minimised.", show_default=False)
+    ] = None,
+    out: Out = None,
+    quiet: Quiet = False,
+) -> None:
+    """Find the sparsest manoeuvre, fly it again, and write summary, archive and figures."""
+    changes = {
+        "solver.starts": starts,
+        "solver.seed": seed,
+        "objective.terminal": None if terminal is None else terminal.value,
+        "objective.kind": None if objective is None else objective.value,
+    }
+    with _clean_exit():
+        scenario, folder = _prepared(case, changes, out)
+        _use_double_precision()
+        from jaxatt.progress import Reporter
+        from jaxatt.report.tables import resting_sentence, result_table
+        from jaxatt.solving import solve as find
+
+        with Reporter(scenario.solver.starts, quiet) as report:
+            result = find(scenario, report=report)
+        if not quiet:
+            _show(result_table(result))
+        files = result.save(folder)
+        _finish(repr(result), files, folder, quiet)
+        if not result.reached:
+            # The table ends with this sentence already.
+            sentence = resting_sentence(result) if quiet else ""
+            typer.echo(f"{sentence} {_shortfall(result)}".strip(), err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+@app.command()
+def compare(
+    case: Case, starts: Starts = None, seed: Seed = None, out: Out = None, quiet: Quiet = False
+) -> None:
+    """Run PD, L1, L0 and moving L0, and print the table with the printed values beside."""
+    with _clean_exit():
+        scenario, folder = _prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
+        _use_double_precision()
+        from jaxatt.comparison import compare as run
+        from jaxatt.progress import Reporter
+
+        with Reporter(scenario.solver.starts, quiet) as report:
+            comparison = run(scenario, report=report)
+        if not quiet:
+            _show(comparison.table())
+        files = comparison.save(folder)
+        _finish(repr(comparison), files, folder, quiet)
+        if not comparison.reached:
+            for kind, result in comparison.results.items():
+                if not result.reached:
+                    typer.echo(f"{kind}: {_shortfall(result)}", err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+@bundled.callback(invoke_without_command=True)
+def list_scenarios(context: typer.Context) -> None:
+    """List the bundled scenarios with a line each."""
+    if context.invoked_subcommand is not None:
+        return
+    from jaxatt.scenarios import titles
+
+    known = titles()
+    width = max(len(name) for name in known)
+    for name, title in known.items():
+        typer.echo(f"{name:{width}}  {title}")
+
+
+@bundled.command("show")
+def show_scenario(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A bundled scenario.")],
+) -> None:
+    """Print a bundled scenario as TOML, to be changed and solved."""
+    with _clean_exit():
+        from jaxatt.scenarios import names, text
+
+        if name not in names():
+            _unknown(name, text)
+        typer.echo(text(name), nl=False)
+
+
+def main() -> None:
+    """Entry point of the `jaxatt` command."""
+    app()
+
+
+def _use_double_precision() -> None:
+    import jax
+
+    jax.config.update("jax_enable_x64", True)  # type: ignore[no-untyped-call]
+
+
+def _prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:
+    """The checked scenario and a folder that can be written: all that can be wrong beforehand."""
+    from jaxatt import scenarios
+    from jaxatt.report.files import prepare_folder
+
+    if case not in scenarios.names() and not Path(case).is_file() and not case.endswith(".toml"):
+        _unknown(case, scenarios.load)
+    scenario = scenarios.load(case)
+    given = {key: value for key, value in changes.items() if value is not None}
+    if given:
+        scenario = scenarios.replace(scenario, given)
+    return scenario, prepare_folder(out or Path("results") / scenario.name)
+
+
+def _unknown(name: str, look_up: Any) -> None:
+    """Raise the look-up's own error, which suggests a near name, and list what there is."""
+    from jaxatt.scenarios import ScenarioError, names
+
+    try:
+        look_up(name)
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}: {', '.join(names())}") from None
+
+
+def _show(table: RenderableType) -> None:
+    from rich.console import Console
+
+    from jaxatt.report.rendering import as_text
+
+    console = Console()
+    if console.is_terminal:
+        console.print(table)
+    else:
+        typer.echo(as_text(table))
+
+
+def _finish(line: str, files: list[Path], folder: Path, quiet: bool) -> None:
+    if quiet:
+        typer.echo(f"{line}; {folder}")
+        return
+    plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
+    figures = sum(file.suffix == ".png" for file in files)
+    typer.echo(f"Written to {folder}: {', '.join(plain)} and {figures} figures")
+
+
+def _shortfall(result: Result) -> str:
+    """What was closest, and what stood in its way."""
+    parts = []
+    for number, leg in enumerate(result.legs, start=1):
+        if leg.reached:
+            continue
+        where = f"Leg {number}: " if len(result.legs) > 1 else ""
+        if leg.alternative is not None:
+            parts.append(
+                f"{where}The answer of lowest J does not reach the target; the best start that "
+                "does is reported beside it."
+            )
+        else:
+            parts.append(f"{where}No start reached the target; of the closest, {leg.obstacle}.")
+    return " ".join(parts)
+
+
+@contextmanager
+def _clean_exit() -> Iterator[None]:
+    """Turn bad input and interruption into a message and an exit code."""
+    from jaxatt.report.files import OutputError
+    from jaxatt.scenarios import ScenarioError
+
+    try:
+        yield
+    except (ScenarioError, OutputError) as error:
+        typer.echo(f"Error: {error}", err=True)
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        typer.echo("Interrupted; nothing half-written was left behind.", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+if __name__ == "__main__":
+    main()

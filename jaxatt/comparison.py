@@ -1,0 +1,224 @@
+"""PD, L1, L0 and moving L0 on one scenario, with the printed values beside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Group
+
+from jaxatt import scenarios
+from jaxatt.baseline import FlownPD, fly_pd_legs
+from jaxatt.multistart.search import Report
+from jaxatt.report import plots
+from jaxatt.report.figure import Picture
+from jaxatt.report.figure import save as save_figure
+from jaxatt.report.files import filling
+from jaxatt.report.folder import save as save_result
+from jaxatt.report.rendering import as_html, as_text
+from jaxatt.report.result import Result
+from jaxatt.report.summary import summary, write_json
+from jaxatt.report.tables import comparison_table
+from jaxatt.report.wording import OBJECTIVES
+from jaxatt.solving import solve
+
+
+@dataclass(frozen=True)
+class Printed:
+    """What the source prints for a controller; None where it prints nothing."""
+
+    active_intervals: int | None = None
+    active_outside_windows: int | None = None
+    cpu_time_s: float | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One controller; with several legs counts are added up and errors are those of the worst leg.
+
+    weighted_active_intervals : sum of h_k over the active intervals, by the scenario's windows,
+    whether or not the controller knew of them.  axes : "body" or "wheels", what was optimised;
+    "feedback" for a law.  time_s : wall clock, compilation included.
+    """
+
+    controller: str
+    reached: bool
+    active_intervals: int
+    active_interval_indices: tuple[int, ...]
+    weighted_active_intervals: float
+    active_outside_windows: int
+    attitude_error_deg: float | None
+    rate_error_rad_s: float | None
+    waypoint_error_deg: float | None
+    state_error: float | None
+    l1_effort_Nms: float
+    objective_total: float
+    starts_reached: int | None
+    starts: int | None
+    time_s: float | None
+    axes: str
+    printed: Printed
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Rows of the table, and the results behind the optimised ones by their objective."""
+
+    scenario: scenarios.Scenario
+    rows: tuple[Row, ...]
+    results: Mapping[str, Result]
+
+    @property
+    def reached(self) -> bool:
+        """Whether every optimised controller reached the target."""
+        return all(result.reached for result in self.results.values())
+
+    def table(self) -> Group:
+        """The comparison as a rich table."""
+        return comparison_table(self._title, [row.to_dict() for row in self.rows])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain numbers, ready for JSON."""
+        return {
+            "scenario": self.scenario.name,
+            "source": self.scenario.source,
+            "rows": [row.to_dict() for row in self.rows],
+        }
+
+    def plot(self) -> Picture:
+        """All optimised answers side by side."""
+        return plots.compare({OBJECTIVES[kind]: r for kind, r in self.results.items()})
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write comparison.json and a figure, and each result into its own folder below."""
+        with filling(folder) as partial:
+            write_json(self.to_dict(), partial / "comparison.json")
+            save_figure(self.plot(), partial / "comparison.png")
+        files = [Path(folder) / name for name in ("comparison.json", "comparison.png")]
+        for kind, result in self.results.items():
+            files += save_result(result, Path(folder) / kind)
+        return files
+
+    @property
+    def _title(self) -> str:
+        table = self.scenario.printed.get("table")
+        beside = f"; printed: {self.scenario.source}" if table else ""
+        return f"{self.scenario.title}{beside}"
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{row.controller} {row.active_intervals}" for row in self.rows)
+        return f"Comparison({self.scenario.name}: active intervals {counts})"
+
+    def __str__(self) -> str:
+        return as_text(self.table())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.table())
+
+
+def compare(
+    scenario: scenarios.Scenario | str | Path,
+    starts: int | None = None,
+    seed: int | None = None,
+    report: Report | None = None,
+) -> Comparison:
+    """Run every controller of the source on a scenario.
+
+    The PD law is no optimum and knows no toy; moving L0 needs a cheap window.
+    starts, seed : replace the scenario's own.  report : as in `solve`.
+    """
+    if not isinstance(scenario, scenarios.Scenario):
+        scenario = scenarios.load(scenario)
+    kinds = ["l1", "l0"]
+    if scenario.vehicle is not None and scenarios.window_mask(scenario).any():
+        kinds.append("moving-l0")
+    results = {
+        kind: solve(scenario, objective=kind, starts=starts, seed=seed, report=_named(report, kind))
+        for kind in kinds
+    }
+    rows: list[Row] = []
+    if scenario.vehicle is not None:
+        rows = [
+            _pd_row("PD, clipped", scenario, fly_pd_legs(scenario)),
+            _pd_row("PD, unclipped", scenario, fly_pd_legs(scenario, clipped=False)),
+        ]
+    rows += [_row(scenario, kind, result) for kind, result in results.items()]
+    return Comparison(scenario, tuple(rows), results)
+
+
+def printed_values(scenario: scenarios.Scenario, kind: str) -> Printed:
+    """What the source prints for an objective."""
+    values = scenario.printed.get(kind, {})
+    return Printed(
+        values.get("active_intervals"),
+        values.get("active_outside_windows"),
+        values.get("cpu_time_nlp_s"),
+    )
+
+
+def _named(report: Report | None, kind: str) -> Report | None:
+    if report is None:
+        return None
+    return lambda stage, done: report(f"{stage} ({OBJECTIVES[kind]})", done)
+
+
+def _counts(scenario: scenarios.Scenario, active: Sequence[Any]) -> dict[str, Any]:
+    """Counts of the active intervals of all legs, each (N,)."""
+    joined = np.concatenate(active)
+    weights = np.tile(scenarios.window_weights(scenario), len(active))
+    window = np.tile(scenarios.window_mask(scenario), len(active))
+    return {
+        "active_intervals": int(joined.sum()),
+        "active_interval_indices": tuple(np.flatnonzero(joined).tolist()),
+        "weighted_active_intervals": float(weights[joined].sum()),
+        "active_outside_windows": int((joined & ~window).sum()),
+    }
+
+
+def _row(scenario: scenarios.Scenario, kind: str, result: Result) -> Row:
+    numbers = summary(result)
+    return Row(
+        controller=OBJECTIVES[kind],
+        reached=result.reached,
+        **_counts(scenario, [leg.active for leg in result.legs]),
+        attitude_error_deg=numbers["attitude_error_deg"],
+        rate_error_rad_s=numbers["rate_error_rad_s"],
+        waypoint_error_deg=numbers["waypoint_error_deg"],
+        state_error=numbers["state_error"],
+        l1_effort_Nms=numbers["l1_effort_Nms"],
+        objective_total=numbers["objective"]["total"],
+        starts_reached=numbers["starts"]["reached_target"],
+        starts=numbers["starts"]["requested"],
+        time_s=sum(result.time.values()),
+        axes=scenario.control.axes if scenario.vehicle is not None else "-",
+        printed=printed_values(scenario, kind),
+    )
+
+
+def _pd_row(name: str, scenario: scenarios.Scenario, legs: Sequence[FlownPD]) -> Row:
+    return Row(
+        controller=name,
+        reached=all(leg.reached for leg in legs),
+        **_counts(scenario, [leg.active for leg in legs]),
+        attitude_error_deg=math.degrees(max(leg.errors["attitude"] for leg in legs)),
+        rate_error_rad_s=max(leg.errors["rate"] for leg in legs),
+        waypoint_error_deg=None
+        if scenario.waypoint is None
+        else math.degrees(max(leg.errors["waypoint"] for leg in legs)),
+        state_error=None,
+        l1_effort_Nms=sum(leg.effort for leg in legs),
+        objective_total=sum(leg.cost for leg in legs),
+        starts_reached=None,
+        starts=None,
+        time_s=None,
+        axes="feedback",
+        printed=printed_values(scenario, "pd"),
+    )

@@ -1,0 +1,71 @@
+"""How far a solve has come, shown on the standard error stream."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    Progress,
+    SpinnerColumn,
+    TaskID,
+    TextColumn,
+    TimeElapsedColumn,
+)
+
+_COUNTED = ("deciding", "polishing")
+"""Stages that treat every start once; how much others will have to do is not known."""
+
+
+class Reporter:
+    """Callable (stage, starts ended) for `solve`: a bar in a terminal, plain lines elsewhere.
+
+    Use it as a context, so that the terminal is left as it was whatever happens.
+    """
+
+    def __init__(self, starts: int, silent: bool = False):
+        console = Console(stderr=True)
+        self._starts, self._console, self._silent = starts, console, silent
+        self._stage, self._done = "", 0
+        self._task: TaskID | None = None
+        self._bar = Progress(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.fields[count]}"),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            disable=silent or not console.is_terminal,
+        )
+
+    def __enter__(self) -> Reporter:
+        self._bar.start()
+        self._task = self._bar.add_task("compiling", total=None, count="")
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._bar.stop()
+
+    def __call__(self, stage: str, done: int) -> None:
+        again = self._total(stage) is not None and self._done >= self._starts
+        if stage != self._stage or again:
+            self._stage, self._done = stage, 0
+        self._done += done
+        total = self._total(stage)
+        count = str(self._done) if total is None else f"{self._done} of {total}"
+        if self._console.is_terminal and self._task is not None:
+            self._bar.update(
+                self._task, description=stage, total=total, completed=self._done, count=count
+            )
+        elif not self._silent:
+            self._console.print(f"{stage}: {count}", highlight=False, markup=False, soft_wrap=True)
+
+    def _total(self, stage: str) -> int | None:
+        return self._starts if stage.startswith(_COUNTED) else None

@@ -1,0 +1,26 @@
+"""Results in netCDF files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from jaxatt.report.dataset import to_dataset
+from jaxatt.report.files import replacing
+from jaxatt.report.result import Result
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def write_archive(result: Result, path: str | Path) -> None:
+    """Write `to_dataset(result)` as a netCDF file, whole or not at all."""
+    with replacing(path) as partial:
+        to_dataset(result).to_netcdf(partial, engine="h5netcdf")
+
+
+def open_archive(path: str | Path) -> xarray.Dataset:
+    """Read an archive into memory, so that the file is closed again."""
+    import xarray
+
+    return xarray.load_dataset(path, engine="h5netcdf")

@@ -1,0 +1,171 @@
+"""A result as a labelled xarray Dataset."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jaxatt.optimize.status import Status
+from jaxatt.report.result import Leg, Result
+from jaxatt.report.timeline import node_times
+
+if TYPE_CHECKING:
+    import xarray
+
+_Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+
+_SERIES = {
+    "q_ob": (("time", "quaternion"), "1", "attitude of the body relative to the orbit frame"),
+    "omega_ob": (("time", "axis"), "rad/s", "rate relative to the orbit frame, in body axes"),
+    "omega_ib": (("time", "axis"), "rad/s", "rate relative to the inertial frame, in body axes"),
+    "omega_bw": (("time", "wheel"), "rad/s", "wheel speed relative to the body"),
+    "torque_body": (("interval", "axis"), "N m", "torque on the wheels in body axes"),
+    "torque_wheels": (("interval", "wheel"), "N m", "torque on each wheel"),
+    "state": (("time", "component"), "1", "state"),
+    "control": (("interval", "input"), "1", "control"),
+}
+_REFERENCES = {
+    "q_ob": (("quaternion",), "1", "target attitude"),
+    "waypoint": (("quaternion",), "1", "attitude to pass"),
+    "omega_ob": (("axis",), "rad/s", "target rate relative to the orbit frame"),
+    "state": (("component",), "1", "target state"),
+}
+_ERROR_UNITS = {"attitude": "rad", "rate": "rad/s", "waypoint": "rad", "state": "1"}
+
+
+def to_dataset(result: Result) -> xarray.Dataset:
+    """Labelled arrays of a result, SI units and radians, with what made them as attributes.
+
+    Dimensions are `time` (nodes, from the leg's start [s]), `interval`, `axis`, `wheel`,
+    `quaternion` (scalar first) and `start`, `component` and `input` for a toy; where the case has
+    several legs, `leg` comes first everywhere.
+    """
+    import xarray
+
+    alternative = any(leg.alternative is not None for leg in result.legs)
+    parts = [xarray.Dataset(_variables(leg, alternative), _coordinates(leg)) for leg in result.legs]
+    if len(parts) == 1:
+        dataset = parts[0]
+    else:
+        numbers = xarray.Variable("leg", np.arange(1, len(parts) + 1), {"long_name": "leg"})
+        dataset = xarray.concat(parts, dim="leg", data_vars="all", coords="minimal", join="exact")
+        dataset = dataset.assign_coords(leg=numbers)
+    return dataset.assign_attrs(_attributes(result))
+
+
+def _coordinates(leg: Leg) -> dict[str, _Variable]:
+    times, count = node_times(leg), len(leg.active)
+    coordinates: dict[str, _Variable] = {
+        "time": (("time",), times, {"units": "s", "long_name": "time from the leg's start"}),
+        "coasting": (
+            ("time",),
+            times > leg.step * (count + 0.5),
+            {"long_name": "whether the horizon has ended"},
+        ),
+        "interval": (("interval",), np.arange(count), {"long_name": "control interval"}),
+        "interval_start": (
+            ("interval",),
+            leg.step * np.arange(count),
+            {"units": "s", "long_name": "start of the interval from the leg's start"},
+        ),
+        "start": (("start",), np.arange(len(leg.starts.status)), {"long_name": "start"}),
+    }
+    if "q_ob" in leg.series:
+        wheels = leg.series["omega_bw"].shape[1]
+        coordinates["axis"] = (("axis",), ["x", "y", "z"], {"long_name": "body axis"})
+        coordinates["wheel"] = (("wheel",), np.arange(1, wheels + 1), {"long_name": "wheel"})
+        coordinates["quaternion"] = (
+            ("quaternion",),
+            ["w", "x", "y", "z"],
+            {"long_name": "quaternion component, scalar first"},
+        )
+    else:
+        components = [f"x{i + 1}" for i in range(leg.series["state"].shape[1])]
+        coordinates["component"] = (("component",), components, {"long_name": "state component"})
+    return coordinates
+
+
+def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:
+    variables = {
+        name: _labelled(leg.series[name], *_SERIES[name]) for name in _SERIES if name in leg.series
+    }
+    for name, labels in _REFERENCES.items():
+        if name in leg.reference:
+            key = name if name == "waypoint" else f"{name}_reference"
+            variables[key] = _labelled(leg.reference[name], *labels)
+    variables |= {
+        "weight": _labelled(leg.weight, ("interval",), "1", "cost of the interval if active"),
+        "window": _labelled(leg.window, ("interval",), "", "whether in a cheap window"),
+        "forbidden": _labelled(leg.forbidden, ("interval",), "", "whether torque is forbidden"),
+        "active": _labelled(leg.active, ("interval",), "", "whether above the threshold"),
+        "leg_start": _labelled(leg.start_time, (), "s", "time at which the leg starts"),
+        "reached": _labelled(leg.reached, (), "", "whether the flight is within all tolerances"),
+        "effort": _labelled(
+            leg.effort, (), "N m s" if "q_ob" in leg.series else "1", "L1 effort over all axes"
+        ),
+    }
+    for name, error in leg.errors.items():
+        unit = _ERROR_UNITS.get(name, "1")
+        variables[f"{name}_error"] = _labelled(error, (), unit, f"{name} error at its node")
+        variables[f"{name}_tolerance"] = _labelled(
+            leg.tolerances[name], (), unit, f"allowed {name} error"
+        )
+    for name, cost in leg.objective.items():
+        variables[f"objective_{name}"] = _labelled(cost, (), "1", f"{name} part of the objective")
+    if alternative:
+        other = leg if leg.alternative is None else leg.alternative
+        key = "torque_body" if "torque_body" in leg.series else "control"
+        variables[f"alternative_{key}"] = _labelled(
+            other.series[key], _SERIES[key][0], _SERIES[key][1], "of the best answer that reaches"
+        )
+    return variables | _starts(leg)
+
+
+def _starts(leg: Leg) -> dict[str, _Variable]:
+    starts, along = leg.starts, ("start",)
+    status = {
+        "long_name": "how the start ended",
+        "flag_values": np.array([int(status) for status in Status]),
+        "flag_meanings": " ".join(status.name.lower() for status in Status),
+    }
+    labels = {
+        "reached": ("", "whether it reached the target, flown again"),
+        "active_intervals": ("1", "active intervals"),
+        "effort": ("N m s" if "q_ob" in leg.series else "1", "L1 effort"),
+        "long_way": ("", "whether it went the long way round"),
+        "iterations": ("1", "inner steps"),
+        "shortfall": ("1", "largest error in units of its tolerance"),
+    }
+    variables = {
+        f"start_{name}": _labelled(getattr(starts, name), along, *words)
+        for name, words in labels.items()
+    }
+    minima = _labelled(starts.distinct_minima, (), "1", "different answers among those that reach")
+    return variables | {"start_status": (along, starts.status, status), "distinct_minima": minima}
+
+
+def _labelled(values: Any, dims: tuple[str, ...], units: str, words: str) -> _Variable:
+    return dims, np.asarray(values), {"long_name": words} | ({"units": units} if units else {})
+
+
+def _attributes(result: Result) -> Mapping[str, Any]:
+    scenario = result.scenario
+    return {
+        "scenario": scenario.name,
+        "title": scenario.title,
+        "source": scenario.source,
+        "scenario_document": json.dumps(scenario.document),
+        "objective": scenario.objective.kind,
+        "terminal": scenario.objective.terminal,
+        "status": result.status,
+        "obstacle": "; ".join(leg.obstacle for leg in result.legs if leg.obstacle),
+        "seed": result.seed,
+        "device": result.device,
+        "precision": result.precision,
+        "versions": json.dumps(dict(result.versions)),
+        "notes": json.dumps(list(result.notes)),
+        **{f"time_{name}_s": float(seconds) for name, seconds in result.time.items()},
+    }

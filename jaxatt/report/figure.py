@@ -1,0 +1,51 @@
+"""Figures without global state, colours that colour-blind readers can tell apart."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from jaxatt.report.files import replacing
+
+# Okabe and Ito (2008), ordered so that neighbours differ in brightness too.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+CHEAP, FORBIDDEN, COAST = "#F0E442", "#666666", "#DDDDDD"
+_DPI = 150
+
+
+class Picture(Figure):
+    """A figure that a notebook shows without any further setting."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=_DPI)
+        return buffer.getvalue()
+
+
+def picture(width: float, height: float, title: str = "") -> Picture:
+    """Empty figure of a size in inches."""
+    figure = Picture(figsize=(width, height), layout="constrained")
+    if title:
+        figure.suptitle(title)
+    return figure
+
+
+def colour(index: int) -> str:
+    """Colour of the line with this number."""
+    return COLOURS[index % len(COLOURS)]
+
+
+def tidy(axes: Axes) -> None:
+    """Light grid, no box."""
+    axes.grid(True, color="#E6E6E6", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def save(figure: Figure, path: str | Path) -> None:
+    """Write a figure as PNG, whole or not at all."""
+    with replacing(path) as partial:
+        figure.savefig(partial, format="png", dpi=_DPI)

@@ -1,0 +1,62 @@
+"""Output folders that are checked before the work, and files that are never half-written."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+
+class OutputError(ValueError):
+    """A folder in which nothing can be written: names it, and says how to mend it."""
+
+
+def prepare_folder(path: str | Path) -> Path:
+    """Check that files can be written into a folder; whatever had to be made for that is removed.
+
+    Raises
+    ------
+    OutputError
+        The folder can be neither made nor written into.
+    """
+    folder = Path(path)
+    missing = [part for part in (folder, *folder.parents) if not part.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise OutputError(
+            f"{folder}: nothing can be written there ({error.strerror or error}); name another "
+            "folder or change its permissions"
+        ) from error
+    finally:
+        for part in missing:
+            with suppress(OSError):
+                part.rmdir()
+    return folder
+
+
+@contextmanager
+def replacing(path: str | Path) -> Iterator[Path]:
+    """Give a temporary name beside `path`, which takes its place when all has gone well."""
+    path = Path(path)
+    partial = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
+    try:
+        yield partial
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+@contextmanager
+def filling(path: str | Path) -> Iterator[Path]:
+    """Give a temporary folder in `path`, whose files move into `path` when all has gone well."""
+    folder = prepare_folder(path)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".partial-", dir=folder) as partial:
+        yield Path(partial)
+        for entry in sorted(Path(partial).iterdir()):
+            os.replace(entry, folder / entry.name)

@@ -1,0 +1,21 @@
+"""Everything of a result in one folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jaxatt.report.archive import write_archive
+from jaxatt.report.files import filling
+from jaxatt.report.plots import save_figures
+from jaxatt.report.result import Result
+from jaxatt.report.summary import write_summary
+
+
+def save(result: Result, folder: str | Path) -> list[Path]:
+    """Write summary, archive and figures; all of them appear, or none."""
+    with filling(folder) as partial:
+        write_summary(result, partial / "summary.json")
+        write_archive(result, partial / "result.nc")
+        save_figures(result, partial)
+        names = sorted(entry.name for entry in partial.iterdir() if entry.is_file())
+    return [Path(folder) / name for name in names]

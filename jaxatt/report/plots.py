@@ -1,0 +1,127 @@
+"""Figures of a result: one overview, and one file for each quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from matplotlib.axes import Axes
+
+from jaxatt.report import panels
+from jaxatt.report.figure import Picture, picture, save
+from jaxatt.report.files import filling
+from jaxatt.report.result import Result
+from jaxatt.report.starts_panel import starts_panel
+from jaxatt.report.timeline import timeline
+from jaxatt.report.wording import OBJECTIVES, plural
+
+Panel = Callable[[Axes, Result], None]
+
+_SPACECRAFT: Mapping[str, Panel] = {
+    "euler_angles": panels.euler_angles,
+    "omega_ob": panels.relative_rate,
+    "torque_body": lambda axes, result: panels.torque(axes, result, "body"),
+    "torque_wheels": lambda axes, result: panels.torque(axes, result, "wheels"),
+    "wheel_speeds": panels.wheel_speeds,
+}
+_TOY: Mapping[str, Panel] = {"control": panels.control, "state": panels.states}
+
+
+def plot(result: Result) -> Picture:
+    """Overview: every quantity over time, and how all starts ended."""
+    chosen = list(_panels(result).values())
+    legs = len(result.legs)
+    figure = picture(9.0, 1.75 * len(chosen) + 3.2, headline(result))
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.75 * len(chosen), 2.6))[
+        :, 0
+    ]
+    column = above.subplots(len(chosen), 1, sharex=True, squeeze=False)[:, 0]
+    for index, (axes, panel) in enumerate(zip(column, chosen, strict=True)):
+        panel(axes, result)
+        panels.shade(axes, result, legend=index == 0)
+    column[-1].set_xlabel("time [s]")
+    _starts(list(below.subplots(1, legs, squeeze=False)[0]), result)
+    return figure
+
+
+def figures(result: Result) -> dict[str, Picture]:
+    """Every figure by its name, the overview included."""
+    made = {"overview": plot(result)}
+    for name, panel in _panels(result).items():
+        if name.startswith("torque_"):
+            made[name] = _torque(result, name.removeprefix("torque_"))
+            continue
+        made[name] = picture(8.0, 3.6, result.scenario.title)
+        axes = made[name].subplots()
+        panel(axes, result)
+        panels.shade(axes, result)
+        axes.set_xlabel("time [s]")
+    legs = len(result.legs)
+    made["starts"] = picture(5.5 * legs, 4.0, result.scenario.title)
+    _starts(list(made["starts"].subplots(1, legs, squeeze=False)[0]), result)
+    return made
+
+
+def save_figures(result: Result, folder: str | Path) -> list[Path]:
+    """Write every figure as a PNG file into a folder; return the files."""
+    made = figures(result)
+    with filling(folder) as partial:
+        for name, figure in made.items():
+            save(figure, partial / f"{name}.png")
+    return [Path(folder) / f"{name}.png" for name in sorted(made)]
+
+
+def compare(results: Mapping[str, Result]) -> Picture:
+    """Answers side by side: a column for each controller, as the source's figures show them."""
+    chosen = list(_panels(next(iter(results.values()))).values())
+    title = next(iter(results.values())).scenario.title
+    figure = picture(5.2 * len(results), 2.1 * len(chosen), title)
+    grid = figure.subplots(len(chosen), len(results), sharex=True, sharey="row", squeeze=False)
+    for column, (name, result) in enumerate(results.items()):
+        last = column == len(results) - 1
+        for row, panel in enumerate(chosen):
+            axes = grid[row, column]
+            panel(axes, result)
+            panels.shade(axes, result, legend=row == 0)
+            legend = axes.get_legend()
+            if legend is not None and not last:
+                legend.remove()
+            if column:
+                axes.set_ylabel("")
+        grid[0, column].set_title(name)
+        grid[-1, column].set_xlabel("time [s]")
+    return figure
+
+
+def headline(result: Result) -> str:
+    """One line for the head of a figure."""
+    kind = OBJECTIVES[result.scenario.objective.kind]
+    count = result.active_intervals
+    return f"{result.scenario.title}\n{kind}: {plural(count, 'active interval')}, {result.status}"
+
+
+def _panels(result: Result) -> Mapping[str, Panel]:
+    return _TOY if result.scenario.vehicle is None else _SPACECRAFT
+
+
+def _torque(result: Result, kind: str) -> Picture:
+    """One row for each torque, so that short pulses of different axes do not hide each other."""
+    rows = panels.torque_rows(result, kind)
+    line = timeline(result)
+    figure = picture(8.0, 1.4 * len(rows) + 1.2, result.scenario.title)
+    grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
+    for index, (axes, (values, name, limit)) in enumerate(zip(grid, rows, strict=True)):
+        panels.pulses(axes, line, values, index, name, limit)
+        panels.shade(axes, result, legend=index == 0)
+    where = "in body axes" if kind == "body" else "of the wheels"
+    figure.supylabel(f"torque {where} [mN m]", fontsize="medium")
+    grid[-1].set_xlabel("time [s]")
+    return figure
+
+
+def _starts(row: list[Axes], result: Result) -> None:
+    toy = result.scenario.vehicle is None
+    for index, (axes, leg) in enumerate(zip(row, result.legs, strict=True)):
+        starts_panel(axes, leg, toy)
+        name = f"leg {index + 1}: " if len(result.legs) > 1 else ""
+        axes.set_title(f"{name}{len(leg.starts.status)} starts", fontsize="medium")

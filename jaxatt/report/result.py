@@ -1,0 +1,190 @@
+"""What a solve returns: plain arrays and numbers, labelled, with what made them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from jaxatt.report.wording import indices_text, plural
+from jaxatt.scenarios.model import Scenario
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class StartsRecord:
+    """How every start ended; leading axis S.
+
+    status : (S,) `jaxatt.optimize.status.Status`.  reached : (S,), by re-simulation.
+    active_intervals : (S,).  effort : (S,), L1 effort.  long_way : (S,).  iterations : (S,).
+    shortfall : (S,), largest error in units of its tolerance.
+    distinct_minima : different answers among the starts that reached the target.
+    """
+
+    status: npt.NDArray[np.int64]
+    reached: Flags
+    active_intervals: npt.NDArray[np.int64]
+    effort: Floats
+    long_way: Flags
+    iterations: npt.NDArray[np.int64]
+    shortfall: Floats
+    distinct_minima: int
+
+    def __repr__(self) -> str:
+        return f"StartsRecord({int(self.reached.sum())} of {len(self.reached)} reached)"
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """One optimisation, flown again.
+
+    start_time, step : [s].  controls : (N, b), optimised controls (torques in body or wheel axes
+    [N m], or a toy's control), thresholded.  weight : (N,), h_k.  window : (N,), intervals in a
+    cheap window.  forbidden : (N,), intervals where torque is not allowed.
+    series : name -> array sampled in flight; for a spacecraft "q_ob" (M, 4), "omega_ob" (M, 3)
+    [rad/s], "omega_ib" (M, 3) [rad/s], "omega_bw" (M, n) [rad/s] at the M = N + coast + 1 nodes,
+    "torque_body" (N, 3) and "torque_wheels" (N, n) [N m]; for a toy "state" (N + 1, 2) and
+    "control" (N, 1).
+    reference : name -> target of a series, e.g. "q_ob" (4,), "omega_ob" (3,), "state" (2,).
+    errors, tolerances : name -> number: "attitude" [rad], "rate" [rad/s], "waypoint" [rad] or
+    "state".
+    objective : named parts of the printed cost.
+    effort : L1 effort [N m s], or the integral of a toy's |u|.
+    reached : whether the flight is within every tolerance and limit.
+    obstacle : what stood in the way if it is not, in words; empty otherwise.
+    starts : how every start ended.
+    alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
+    """
+
+    start_time: float
+    step: float
+    controls: Floats
+    weight: Floats
+    window: Flags
+    forbidden: Flags
+    series: Mapping[str, Floats]
+    reference: Mapping[str, Floats]
+    errors: Mapping[str, float]
+    tolerances: Mapping[str, float]
+    limit_violation: float
+    margin_violation: float
+    max_complementarity: float
+    objective: Mapping[str, float]
+    effort: float
+    reached: bool
+    obstacle: str
+    active: Flags
+    starts: StartsRecord
+    alternative: Leg | None = None
+
+    @property
+    def active_intervals(self) -> int:
+        """Number of intervals in which a control is above the threshold."""
+        return int(self.active.sum())
+
+    @property
+    def weighted_active_intervals(self) -> float:
+        """Sum of h_k over the active intervals."""
+        return float(self.weight[self.active].sum())
+
+    @property
+    def active_outside_windows(self) -> int:
+        """Active intervals outside every cheap window."""
+        return int((self.active & ~self.window).sum())
+
+    @property
+    def total_cost(self) -> float:
+        """The printed cost, all parts together."""
+        return float(sum(self.objective.values()))
+
+    def __repr__(self) -> str:
+        reached = "reached" if self.reached else "not reached"
+        count = plural(self.active_intervals, "active interval")
+        return f"Leg({reached}, {count}: {indices_text(np.flatnonzero(self.active).tolist())})"
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """The answer to a scenario: one leg, or several flown one after another.
+
+    status : "reached" or "not reached".  time : seconds spent on "compile", "solve", "verify".
+    """
+
+    scenario: Scenario
+    legs: tuple[Leg, ...]
+    seed: int
+    time: Mapping[str, float]
+    device: str
+    precision: str
+    versions: Mapping[str, str]
+    notes: tuple[str, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def reached(self) -> bool:
+        """Whether every leg verifiably reached its target."""
+        return all(leg.reached for leg in self.legs)
+
+    @property
+    def status(self) -> str:
+        """ "reached" or "not reached"."""
+        return "reached" if self.reached else "not reached"
+
+    @property
+    def active_intervals(self) -> int:
+        """Active intervals of all legs together."""
+        return sum(leg.active_intervals for leg in self.legs)
+
+    def summary(self) -> dict[str, Any]:
+        """Plain numbers under stable names, ready for JSON."""
+        from jaxatt.report.summary import summary
+
+        return summary(self)
+
+    def to_dataset(self) -> xarray.Dataset:
+        """Labelled arrays, SI units and radians, with what made them as attributes."""
+        from jaxatt.report.dataset import to_dataset
+
+        return to_dataset(self)
+
+    def plot(self) -> Figure:
+        """Overview figure: every quantity over time, and how all starts ended."""
+        from jaxatt.report.plots import plot
+
+        return plot(self)
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write summary.json, result.nc and the figures into a folder; return the files.
+
+        Raises `OutputError` (a `ValueError`) where nothing can be written.
+        """
+        from jaxatt.report.folder import save
+
+        return save(self, folder)
+
+    def __repr__(self) -> str:
+        count = plural(self.active_intervals, "active interval")
+        found = (indices_text(np.flatnonzero(leg.active).tolist()) for leg in self.legs)
+        return f"Result({self.scenario.name}: {self.status}, {count}: {' | '.join(found)})"
+
+    def __str__(self) -> str:
+        from jaxatt.report.rendering import as_text
+        from jaxatt.report.tables import result_table
+
+        return as_text(result_table(self))
+
+    def _repr_html_(self) -> str:
+        from jaxatt.report.rendering import as_html
+        from jaxatt.report.tables import result_table
+
+        return as_html(result_table(self))

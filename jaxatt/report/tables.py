@@ -1,0 +1,201 @@
+"""Tables for the terminal and for notebooks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Group
+from rich.table import Table
+from rich.text import Text
+
+from jaxatt.report.result import Leg, Result
+from jaxatt.report.summary import do_nothing_cost, summary
+from jaxatt.report.wording import OBJECTIVES, indices_text, short
+
+_Block = Mapping[str, Any]
+
+
+def result_table(result: Result) -> Table:
+    """What came out, how well it was met, what all starts did and how long it took."""
+    numbers = summary(result)
+    blocks: list[_Block] = list(numbers["legs"])
+    names = [f"leg {block['leg']}" for block in blocks]
+    if not blocks or len(blocks) > 1:
+        blocks, names = [*blocks, numbers], [*names, "together" if names else ""]
+    if numbers["alternative"] is not None:
+        blocks, names = [numbers, numbers["alternative"]], ["lowest J", "best that reaches"]
+    kind = f"{OBJECTIVES[result.scenario.objective.kind]}, {result.scenario.objective.terminal}"
+    table = Table(
+        title=Text(f"{result.scenario.title} ({kind})", style="bold"),
+        caption=_caption(result, numbers),
+        box=box.SIMPLE_HEAD,
+        show_header=len(names) > 1,
+        title_justify="left",
+        caption_justify="left",
+    )
+    table.add_column("")
+    for name in names:
+        table.add_column(name)
+    for label, show in _rows(result):
+        cells = [show(block) for block in blocks]
+        if any(cells):
+            # As Text: rich would read "[deg]" in a plain string as a style.
+            table.add_row(Text(label), *(Text(c) if isinstance(c, str) else c for c in cells))
+    return table
+
+
+def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
+    """Rows of a comparison: what was found with the printed values beside, then how good it is.
+
+    rows : as `jaxatt.comparison.Row.to_dict` gives them.
+    """
+    toy = all(row["state_error"] is not None for row in rows)
+    errors: tuple[str, ...] = ("attitude [deg]", "rate [rad/s]")
+    if toy:
+        errors = ("state error", "in tolerance")
+    passing = any(row["waypoint_error_deg"] is not None for row in rows)
+    errors += ("waypoint [deg]",) if passing else ()
+    found = _controllers(
+        ("active (printed)", "intervals", "outside windows (printed)", "weighted", "optimised in"),
+        title,
+    )
+    judged = _controllers(
+        (*errors, "L1 effort", "J", "starts reached", "time [s] (printed)"), "Flown again"
+    )
+    for row in rows:
+        name = Text(row["controller"], style="" if row["reached"] else "yellow")
+        found.add_row(
+            name,
+            _beside(row["active_intervals"], row["printed"]["active_intervals"]),
+            indices_text(row["active_interval_indices"]),
+            _beside(row["active_outside_windows"], row["printed"]["active_outside_windows"]),
+            short(row["weighted_active_intervals"]),
+            row["axes"],
+        )
+        worst = [short(row["state_error"], 3), "yes" if row["reached"] else "no"]
+        if not toy:
+            worst = [short(row["attitude_error_deg"], 3), short(row["rate_error_rad_s"], 3)]
+        if passing:
+            worst.append(short(row["waypoint_error_deg"], 3))
+        judged.add_row(
+            name,
+            *worst,
+            short(row["l1_effort_Nms"]),
+            short(row["objective_total"]),
+            "" if row["starts"] is None else f"{row['starts_reached']} of {row['starts']}",
+            _beside(short(row["time_s"], 3), short(row["printed"]["cpu_time_s"], 4)),
+        )
+    return Group(found, judged)
+
+
+def _controllers(headers: Sequence[str], title: str) -> Table:
+    table = Table(
+        title=Text(title, style="bold"),
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column("controller", no_wrap=True)
+    for header in headers:
+        table.add_column(Text(header), justify="left" if header == "intervals" else "right")
+    return table
+
+
+def resting_sentence(result: Result) -> str:
+    """Say so where the printed cost is lowest without any torque; empty otherwise."""
+    cost = do_nothing_cost(result)
+    if result.scenario.objective.terminal != "penalty" or cost is None:
+        return ""
+    if any(leg.active.any() for leg in result.legs):
+        return ""
+    others = [leg.alternative for leg in result.legs if leg.alternative is not None]
+    against = ""
+    if len(others) == len(result.legs):
+        total = sum(other.total_cost for other in others)
+        against = f" against {total:.4g} for the best start that reaches"
+    return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
+
+
+def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
+    time = ", ".join(f"{name} {value:.1f} s" for name, value in numbers["time_s"].items() if value)
+    made = (
+        f"{time}; seed {result.seed}, {result.device}, {result.precision}, "
+        f"{', '.join(f'{name} {version}' for name, version in result.versions.items())}"
+    )
+    notes = [f"Note: {note}" for note in result.notes]
+    return Text("\n".join(filter(None, [resting_sentence(result), *notes, made])))
+
+
+def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
+    first = result.legs[0]
+    toy = "state" in first.errors
+    rows: list[tuple[str, Callable[[_Block], str | Text]]] = [
+        ("status", _status),
+        ("obstacle", lambda b: str(b["obstacle"])),
+        ("active intervals", _active),
+        ("their indices", lambda b: indices_text(b["active_interval_indices"])),
+    ]
+    if result.scenario.windows:
+        rows += [
+            ("outside the cheap windows", lambda b: str(b["active_outside_windows"])),
+            ("weighted count", lambda b: short(b["weighted_active_intervals"])),
+        ]
+    rows += [
+        ("attitude error [deg]", _error(first, "attitude", "attitude_error_deg")),
+        ("rate error [rad/s]", _error(first, "rate", "rate_error_rad_s")),
+        ("waypoint error [deg]", _error(first, "waypoint", "waypoint_error_deg")),
+        ("state error", _error(first, "state", "state_error")),
+        (
+            f"over the limit{'' if toy else ' [N m]'}",
+            lambda b: short(b["max_torque_violation_Nm"]),
+        ),
+        (f"L1 effort{'' if toy else ' [N m s]'}", lambda b: short(b["l1_effort_Nms"], 7)),
+        ("objective J", lambda b: short(b["objective"]["total"], 6)),
+        *((f"  {part}", _part(part)) for part in first.objective),
+        ("starts", _starts),
+    ]
+    return rows
+
+
+def _status(block: _Block) -> Text:
+    reached = block["status"] == "reached"
+    words = "reached the target" if reached else "NOT reached"
+    return Text(words, style="green" if reached else "bold red")
+
+
+def _active(block: _Block) -> str:
+    return f"{block['active_intervals']} ({block['relative_sparsity_percent']:.3g} % of all)"
+
+
+def _error(leg: Leg, name: str, key: str) -> Callable[[_Block], str]:
+    factor = math.degrees(1.0) if key.endswith("_deg") else 1.0
+
+    def show(block: _Block) -> str:
+        if name not in leg.tolerances:
+            return ""
+        allowed = leg.tolerances[name] * factor
+        met = block[key] is not None and block[key] <= allowed
+        return f"{short(block[key]) or 'not finite'} ({'<' if met else '>'} {allowed:.3g})"
+
+    return show
+
+
+def _part(name: str) -> Callable[[_Block], str]:
+    return lambda block: short(block["objective"][name])
+
+
+def _starts(block: _Block) -> str:
+    starts = block["starts"]
+    return (
+        f"{starts['reached_target']} of {starts['requested']} reached, "
+        f"{starts['converged']} converged, {starts['distinct_minima']} distinct minima"
+    )
+
+
+def _beside(ours: Any, printed: Any) -> str:
+    mine = "-" if ours is None or ours == "" else str(ours)
+    return mine if printed is None or printed == "" else f"{mine} ({printed})"
