@@ -10,10 +10,10 @@ _EVENTS = ("/jax/core/compile/",)
 _seconds = 0.0
 
 
-def _listen(event: str, duration: float, **_: object) -> None:
+def _listen(event: str, duration_secs: float, **_: str | int) -> None:
     global _seconds
     if event.startswith(_EVENTS):
-        _seconds += duration
+        _seconds += duration_secs
 
 
 @functools.cache

@@ -14,16 +14,17 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
-from jaxatt.control.pd import pd_law
-from jaxatt.multistart.search import Candidates, Found, Report, search
+from jaxatt.control.pd import PDLaw
+from jaxatt.multistart.candidates import Candidates
+from jaxatt.multistart.search import Found, Report, search
 from jaxatt.optimize.status import Status
 from jaxatt.problems import sparsity
 from jaxatt.problems.slew_task import Departure, SlewTask
-from jaxatt.problems.task import Floats, Task
+from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
 from jaxatt.report.result import Leg, Result, StartsRecord
 from jaxatt.scenarios.build import build_task
-from jaxatt.simulation.flight import Trajectory, fly
+from jaxatt.simulation.flight import Trajectory, fly_law
 
 GUESSES = ("pulses", "pd", "l1")
 
@@ -49,7 +50,7 @@ def solve(
 
     Raises `ScenarioError` (a `ValueError`) where the scenario does not make sense.
     """
-    if not jax.config.jax_enable_x64:
+    if jnp.result_type(float) != jnp.float64:
         raise ValueError(
             "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
             'jax.config.update("jax_enable_x64", True) before the first use of JAX'
@@ -68,6 +69,7 @@ def solve(
 
     began, compiled = time.perf_counter(), compile_seconds()
     verifying = 0.0
+    resting_cost = 0.0
     legs: list[Leg] = []
     state: Departure | None = None
     for index in range(len(scenario.targets)):
@@ -80,6 +82,7 @@ def solve(
             inner,
             report,
         )
+        resting_cost += found.resting_cost or 0.0
         flown = time.perf_counter()
         leg, state = _leg(scenario, task, found, index)
         legs.append(leg)
@@ -99,6 +102,9 @@ def solve(
         precision="float64",
         versions=versions(),
         notes=scenario.notes,
+        extra=(
+            {"do_nothing_cost": resting_cost} if scenario.objective.terminal == "penalty" else {}
+        ),
     )
 
 
@@ -137,11 +143,10 @@ def _guess(
 
 def fly_pd(task: SlewTask, clipped: bool = True) -> Trajectory:
     """Fly the PD law of (5.8) on the task's slew."""
-    law = pd_law(
+    law = PDLaw(
         task.craft, jnp.asarray(task.aim.q_ob), jnp.asarray(task.aim.omega_ob), clipped=clipped
     )
-    flown = jax.jit(lambda start, table: fly(task.craft, start, law, table))(task.start, task.table)
-    return jax.tree.map(np.asarray, flown)
+    return jax.tree.map(np.asarray, fly_law(task.craft, task.start, law, task.table))
 
 
 def _leg(
@@ -170,12 +175,14 @@ def _flown_leg(
         flown = task.fly(controls)
         verdict, cost = task.judge(flown, controls), task.cost(flown, controls)
         end = task.intervals
-        state = Departure(flown.q_ob[0, end], flown.omega_ob[0, end], flown.omega_bw[0, end])
+        state = Departure(
+            *(np.asarray(part[0, end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
+        )
         series = {
-            "q_ob": flown.q_ob[0],
-            "omega_ob": flown.omega_ob[0],
-            "omega_ib": flown.omega_ib[0],
-            "omega_bw": flown.omega_bw[0],
+            "q_ob": np.asarray(flown.q_ob[0]),
+            "omega_ob": np.asarray(flown.omega_ob[0]),
+            "omega_ib": np.asarray(flown.omega_ib[0]),
+            "omega_bw": np.asarray(flown.omega_bw[0]),
             "torque_body": task.body_torque(controls[0]),
             "torque_wheels": task.wheel_torque(controls[0]),
         }
@@ -188,7 +195,9 @@ def _flown_leg(
         series = {"state": task.fly(controls)[0], "control": controls[0]}
         reference = {"state": np.asarray(task.parameters.target)}
     xi = np.asarray(
-        sparsity.complementarity_vector(jnp.asarray(controls[0]), task.goal.epsilon, task.shared)
+        sparsity.complementarity_vector(
+            jnp.asarray(controls[0]), jnp.asarray(task.goal.epsilon), task.shared
+        )
     )
     product = np.abs(controls[0]) * (xi[:, None] if task.shared else xi)
     starts = found.starts
@@ -228,32 +237,30 @@ def _flown_leg(
     return leg, state
 
 
+_ERROR_WORDS = {
+    "attitude": "the target attitude",
+    "rate": "the target rate",
+    "waypoint": "the waypoint's attitude",
+    "state": "the target state",
+}
+
+
 def _obstacle(task: Task, answer: Candidates) -> str:
-    """Which constraint is in the way of the closest answer."""
-    verdict = answer.verdict
-    ratios = {
-        name: float(error[0]) / verdict.tolerances[name] for name, error in verdict.errors.items()
-    }
-    worst = max(ratios, key=lambda name: np.nan_to_num(ratios[name], nan=np.inf))
-    words = {
-        "attitude": "the target attitude",
-        "rate": "the target rate",
-        "waypoint": "the waypoint's attitude",
-        "state": "the target state",
-    }
-    status = Status(int(answer.status[0]))
-    limited = ""
-    relative = (
-        np.abs(
-            np.asarray(task.arguments.plant.to_wheels) @ task.from_controls(answer.controls[0]).T
-        )
-        if isinstance(task, SlewTask)
-        else np.abs(task.from_controls(answer.controls[0]))
-    )
-    saturated = int((relative.max(axis=0 if isinstance(task, SlewTask) else 1) > 0.999).sum())
+    """Which constraint is in the way of the closest answer, in words."""
+    verdict, status = answer.verdict, Status(int(answer.status[0]))
+    missed = [
+        f"{_ERROR_WORDS[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its "
+        "tolerance"
+        for name, error in verdict.errors.items()
+        if not error[0] <= verdict.tolerances[name]
+    ]
+    if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
+        missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
+    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE:
+        missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
+    saturated = task.saturated_intervals(answer.controls[0])
     if saturated:
-        limited = f"; the limit binds in {saturated} of {task.intervals} intervals"
-    return (
-        f"{words[worst]} is missed by {ratios[worst]:.3g} times its tolerance{limited}; "
-        f"the solver says: {status.meaning} (usual remedy: {status.remedy})"
-    )
+        missed.append(f"the control limit binds in {saturated} of {task.intervals} intervals")
+    if status not in (Status.CONVERGED, Status.FEASIBLE):
+        missed.append(f"the solver {status.meaning}: {status.remedy}")
+    return "; ".join(missed)

@@ -95,7 +95,7 @@ def tabulate(
     return EnvironmentTable(
         jax.tree.map(lambda leaf: leaf[stages], values),
         jax.tree.map(lambda leaf: leaf[nodes], values),
-        np.asarray(2 * half),
+        jnp.asarray(2 * half),
     )
 
 

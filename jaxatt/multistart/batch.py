@@ -71,9 +71,9 @@ def _solve_chunk(
     def one(lane: Lanes) -> Solution:
         arg = replace(
             arguments,
-            plant=form.system.turned(arguments.plant, lane.sign),
-            free=lane.free,
-            row_weight=lane.row_weight,
+            plant=form.system.turned(arguments.plant, jnp.asarray(lane.sign)),
+            free=jnp.asarray(lane.free),
+            row_weight=jnp.asarray(lane.row_weight),
         )
         u = jnp.asarray(lane.u)
         if not form.slacks:
@@ -94,6 +94,8 @@ def solve_lanes(
 ) -> Solution:
     """Solve all lanes, chunk by chunk of `rows`, and gather the results on the host."""
     parts = []
+    if progress is not None:
+        progress(0)
     for chunk, size in padded_chunks(lanes, rows):
         solution = _solve_chunk(form, chunk, arguments, schedule)
         parts.append(jax.tree.map(lambda leaf, size=size: np.asarray(leaf)[:size], solution))
@@ -102,7 +104,9 @@ def solve_lanes(
     return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
 
 
-def broadcast_lanes(u: Floats, free: Array | Floats, row_weight: Array | Floats, sign) -> Lanes:
+def broadcast_lanes(
+    u: Floats, free: Array | Floats, row_weight: Array | Floats, sign: Floats
+) -> Lanes:
     """Lanes from starts (S, N, b) and whatever is common to all of them."""
     count = len(u)
     return Lanes(

@@ -63,8 +63,8 @@ def join(*parts: Candidates) -> Candidates:
 
 def support_of(task: Task, controls: Floats) -> Mask:
     """Active groups of one control history, (N, g): g = 1 when an interval counts as one."""
-    active = np.abs(controls) > task.threshold
-    return active.any(axis=-1, keepdims=True) if task.shared else active
+    active: Mask = np.abs(controls) > task.threshold
+    return np.any(active, axis=-1, keepdims=True) if task.shared else active
 
 
 def _rank(task: Task, controls: Floats, cost: Floats | None) -> Floats:
@@ -90,7 +90,7 @@ def evaluate(
     """Turn scaled variables into candidates: flown, judged and ranked."""
     controls = task.to_controls(np.nan_to_num(u))
     verdict, parts = task.verify(controls)
-    cost = sum(parts.values()) if task.goal.terminal == "penalty" else None
+    cost = np.sum(list(parts.values()), axis=0) if task.goal.terminal == "penalty" else None
     lost = ~np.isfinite(u).all(axis=(1, 2))
     status = np.where(lost, int(Status.NOT_FINITE), status)
     return Candidates(controls, status, verdict, _rank(task, controls, cost), iterations, sign)

@@ -96,7 +96,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
 def polish(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
     """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers."""
     free = _free(task, supports)
-    slacks = task.goal.kind == "l1"
+    slacks = method.decides == "l1"
     solution = solve_lanes(
         Form(task.system, task.shared, slacks, method.inner),
         broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
@@ -105,4 +105,7 @@ def polish(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
         method.progress,
         method.rows,
     )
-    return evaluate(task, solution.x, solution.status, solution.iterations, sign)
+    x, status, iterations = (
+        np.asarray(leaf) for leaf in (solution.x, solution.status, solution.iterations)
+    )
+    return evaluate(task, x, status, iterations, sign)

@@ -34,12 +34,14 @@ class Found:
     starts : one candidate a start.  best : the answer (S = 1), maybe better than every start.
     reaching : the best that reaches the target, None if nothing does.
     distinct_minima : different answers among the starts that reached the target.
+    resting_cost : the printed cost of doing nothing, where the printed cost is minimised.
     """
 
     starts: Candidates
     best: Candidates
     reaching: Candidates | None
     distinct_minima: int
+    resting_cost: float | None = None
 
 
 def search(
@@ -73,7 +75,11 @@ def search(
             ended = rescued
 
     reached_first = task.goal.terminal == "reach"
-    pool = ended if reached_first else join(ended, _resting(task))
+    pool, resting_cost = ended, None
+    if not reached_first:
+        resting = _resting(task)
+        resting_cost = float(resting.rank[0, 0])
+        pool = join(ended, resting)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
@@ -81,9 +87,8 @@ def search(
         pool = join(pool, *(improve(task, pool.pick(index), moving) for index in usable))
     best = pool.pick(pool.order(reached_first)[0])
     first = pool.pick(pool.order(True)[0])
-    return Found(
-        ended, best, first if bool(first.verdict.reached[0]) else None, _distinct(task, ended)
-    )
+    reaching = first if bool(first.verdict.reached[0]) else None
+    return Found(ended, best, reaching, _distinct(task, ended), resting_cost)
 
 
 def _distinct(task: Task, candidates: Candidates) -> int:

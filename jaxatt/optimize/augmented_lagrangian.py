@@ -8,6 +8,7 @@ last start to end.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -26,7 +27,8 @@ from jaxatt.problems.program import Program
 class Schedule:
     """Settings of a solve; all are traced, so changing one does not recompile.
 
-    tolerance : on constraint violation and on scaled stationarity.
+    tolerance : on constraint violation.
+    stationarity : on the scaled norm of the Lagrangian's gradient.
     penalty, penalty_growth, penalty_limit : penalty of the constraints, its growth where the
         violation does not shrink, and its ceiling.
     stage_penalty : initial penalty of the stage inequalities.
@@ -37,7 +39,8 @@ class Schedule:
     update_multipliers : 0 for a pure penalty method, as a homotopy wants it; 1 otherwise.
     """
 
-    tolerance: float = 1e-7
+    tolerance: float = 1e-9
+    stationarity: float = 1e-6
     penalty: float = 1e4
     penalty_growth: float = 10.0
     penalty_limit: float = 1e8
@@ -151,7 +154,7 @@ def _merit(program: Program, x: Array, args: Any, values: _Values, terms: _Terms
     )
 
 
-def _jacobian(function, x: Array) -> tuple[Array, Array]:
+def _jacobian(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
     """Values (m,) and derivatives (m, N, b), by the cheaper of the two modes."""
     rows = jax.eval_shape(function, x).shape[0]
     if rows == 0:
@@ -192,7 +195,7 @@ def solve(
     empty = jax.eval_shape(lambda x: _evaluate(program, x, args), x0)
     zeros = Multipliers(*(jnp.zeros(leaf.shape, dtype) for leaf in empty))
 
-    def as_array(value) -> Array:
+    def as_array(value: float) -> Array:
         return jnp.asarray(value, dtype)
 
     def pushed(multipliers: Array, penalty: Array, values: Array) -> Array:
@@ -233,12 +236,12 @@ def solve(
         )
         stationarity = _largest(gradient) / jnp.maximum(1.0, largest / _LARGE_MULTIPLIER)
         final = terms.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
-        loose = jnp.maximum(schedule.tolerance, _LOOSE_STATIONARITY)
-        inner_minimum = stationarity <= jnp.where(final, schedule.tolerance, loose)
+        loose = jnp.maximum(schedule.stationarity, _LOOSE_STATIONARITY)
+        inner_minimum = stationarity <= jnp.where(final, schedule.stationarity, loose)
         ended = inner_minimum | (state.inner_steps >= schedule.max_inner)
         feasible = violation <= schedule.tolerance
         finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
-        converged = final & feasible & (stationarity <= schedule.tolerance)
+        converged = final & feasible & (stationarity <= schedule.stationarity)
         update = ended & (schedule.update_multipliers > 0)
         stalled = update & ~feasible & (violation > _SHRINKS * state.best_violation)
         stalls = state.stalls + jnp.where(stalled, 1, 0)

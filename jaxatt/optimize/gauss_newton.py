@@ -7,6 +7,7 @@ couple the stages.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -93,7 +94,16 @@ def gauss_newton(
     def init(params: Array) -> GaussNewtonState:
         return GaussNewtonState(line_search.init(params))
 
-    def update(updates, state, params=None, *, model: LocalModel, value, grad, value_fn):
+    def update(
+        updates: Array,
+        state: GaussNewtonState,
+        params: Array | None = None,
+        *,
+        model: LocalModel,
+        value: Array,
+        grad: Array,
+        value_fn: Callable[[Array], Array],
+    ) -> tuple[Array, GaussNewtonState]:
         free = model.free
         gradient = updates * free
         size = gradient.shape[1]

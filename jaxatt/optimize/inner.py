@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from typing import Any
 
 import optax
 
@@ -16,7 +17,9 @@ def _without_model(
 ) -> optax.GradientTransformationExtraArgs:
     """Drop the local model, which optax's own transformations do not know."""
 
-    def update(updates, state, params=None, *, model=None, **extra):
+    def update(
+        updates: Any, state: Any, params: Any = None, *, model: Any = None, **extra: Any
+    ) -> tuple[Any, Any]:
         return transformation.update(updates, state, params, **extra)
 
     return optax.GradientTransformationExtraArgs(transformation.init, update)

@@ -30,21 +30,21 @@ class Status(IntEnum):
 
 
 _MEANING = {
-    Status.CONVERGED: ("constraints and stationarity hold to tolerance", "nothing to mend"),
+    Status.CONVERGED: ("met constraints and stationarity to tolerance", "nothing to mend"),
     Status.FEASIBLE: (
-        "the constraints hold, but the point is not stationary to tolerance",
+        "met the constraints, but the point is not stationary to tolerance",
         "allow more iterations, or loosen the tolerance",
     ),
     Status.INFEASIBLE: (
-        "stopped at a point where the constraint violation cannot be reduced locally",
+        "stopped where the constraint violation no longer shrank",
         "try other starts, a longer horizon or larger limits",
     ),
     Status.ITERATION_LIMIT: (
-        "the iteration limit came before the constraints held",
+        "reached its iteration limit before the constraints held",
         "allow more iterations, or try other starts",
     ),
     Status.NOT_FINITE: (
-        "a value or derivative was not finite",
+        "met a value or derivative that is not finite",
         "check the problem's data and the start",
     ),
 }

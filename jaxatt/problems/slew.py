@@ -76,7 +76,9 @@ def attitude_row(reference: Array, q: Array) -> Array:
     return 2.0 * error[1:] * jnp.sqrt(2.0 / jnp.maximum(1.0 + error[0], 1e-12))
 
 
-def _rollout(u: Array, p: SlewParameters, form: SlewForm):
+def _rollout(
+    u: Array, p: SlewParameters, form: SlewForm
+) -> tuple[momentum_model.Components, momentum_model.Components]:
     start = tuple(p.start[i] for i in range(10))
     return momentum_model.rollout(start, u @ p.to_body.T, p.table, p.body, form.disturbed)
 

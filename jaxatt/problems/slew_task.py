@@ -14,7 +14,7 @@ from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, ta
 from jaxatt.problems import sparsity
 from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters, slew_system
-from jaxatt.problems.task import Floats, Goal, Task, Verdict
+from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
 from jaxatt.simulation.chunks import padded_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.momentum_model import BodyParameters
@@ -72,7 +72,7 @@ def automatic_substeps(step: float, surroundings: Surroundings) -> int:
     return max(1, int(np.ceil(phase / _LONGEST_SUBSTEP_PHASE - 1e-9)))
 
 
-def _compared(q_ref: Floats, q: Floats) -> tuple[Floats, Floats]:
+def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
     """As `_compare`, for (4,) and (S, 4), on the host."""
     chunks = [
         [np.asarray(leaf)[:size] for leaf in _compare(q_ref, chunk)]
@@ -114,7 +114,7 @@ class SlewTask(Task):
         grid: Grid,
         goal: Goal,
         weight: Floats,
-        forbidden: Floats,
+        forbidden: Flags,
         passage: Passage | None = None,
         axes: str = "body",
     ):
@@ -128,9 +128,9 @@ class SlewTask(Task):
         )
         self.substeps = substeps
         self.start = at_relative_rate(
-            departure.q_ob,
-            departure.omega_ob,
-            departure.omega_bw,
+            jnp.asarray(departure.q_ob),
+            jnp.asarray(departure.omega_ob),
+            jnp.asarray(departure.omega_bw),
             jax.tree.map(lambda leaf: leaf[0], self.table.nodes),
         )
         wheels = craft.wheels
@@ -156,7 +156,7 @@ class SlewTask(Task):
             self.effort_weight = goal.weights.sparsity * float(self.scale.max()) if l1 else 1e-4
         self.arguments = self._arguments(weight, forbidden)
 
-    def _arguments(self, weight: Floats, forbidden: Floats) -> SparseArguments:
+    def _arguments(self, weight: Floats, forbidden: Flags) -> SparseArguments:
         craft, start, goal = self.craft, self.start, self.goal
         wheels = craft.wheels
         inertia = jnp.asarray(craft.inertia)
@@ -289,7 +289,9 @@ class SlewTask(Task):
 
     def _support_cost(self, controls: Floats) -> Floats:
         xi = np.asarray(
-            sparsity.complementarity_vector(jnp.asarray(controls), self.goal.epsilon, self.shared)
+            sparsity.complementarity_vector(
+                jnp.asarray(controls), jnp.asarray(self.goal.epsilon), self.shared
+            )
         )
         weight = np.asarray(self.arguments.weight)
         if not self.shared:

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
@@ -13,6 +14,9 @@ from jax import Array
 from jaxatt.problems.hands_off import SparseArguments, SparseSystem
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+_BINDING = 1e-3
 
 
 @dataclass(frozen=True)
@@ -147,6 +151,12 @@ class Task(ABC):
         size = np.abs(controls)
         slack = size.max(axis=-1, keepdims=True) if self.shared else size
         return np.asarray(slack.sum(axis=(-2, -1)))
+
+    def saturated_intervals(self, controls: Floats) -> int:
+        """Intervals of one control history (N, b) in which a limit binds."""
+        u = jnp.asarray(self.from_controls(controls))
+        margins = np.asarray(self.system.stage_margins(u, self.arguments.plant))
+        return int((margins.min(axis=1) < _BINDING).sum())
 
     @abstractmethod
     def long_way_probability(self) -> float:

@@ -69,7 +69,7 @@ def simulate(system: ToySystem, control: Array, p: ToyParameters, substeps: int)
         k4 = f(x + h * k3, u)
         return x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
 
-    def interval(x: Array, u: Array):
+    def interval(x: Array, u: Array) -> tuple[Array, Array]:
         x = lax.fori_loop(0, substeps, lambda _, y: substep(y, u), x)
         return x, x
 
@@ -159,7 +159,11 @@ class ToyTask(Task):
         states = self.fly(controls)
         error = np.linalg.norm(states[:, -1] - np.asarray(self.parameters.target), axis=-1)
         margin = SYSTEMS[self.name].margin
-        lowest = np.zeros(len(states)) if margin is None else np.asarray(margin(states)).min(axis=1)
+        lowest = (
+            np.zeros(len(states))
+            if margin is None
+            else np.asarray(margin(jnp.asarray(states))).min(axis=1)
+        )
         verdict = Verdict(
             {"state": error},
             {"state": self.tolerance},

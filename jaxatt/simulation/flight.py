@@ -49,7 +49,9 @@ def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTab
     def shift(state: AttitudeState, rate: AttitudeState, time: Array | float) -> AttitudeState:
         return jax.tree.map(lambda x, dx: x + time * dx, state, rate)
 
-    def substep(carry: tuple[AttitudeState, Array, Array], stages: Environment):
+    def substep(
+        carry: tuple[AttitudeState, Array, Array], stages: Environment
+    ) -> tuple[tuple[AttitudeState, Array, Array], None]:
         state, interval, impulse = carry
 
         def rate(point: AttitudeState, stage: int) -> tuple[AttitudeState, Array]:
@@ -66,7 +68,9 @@ def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTab
         end = AttitudeState(quaternion.normalize(end.q_ob), end.omega_ib, end.omega_bw)
         return (end, interval, impulse + h * (t1 + 2 * t2 + 2 * t3 + t4) / 6), None
 
-    def interval_step(state: AttitudeState, inputs: tuple[Array, Environment]):
+    def interval_step(
+        state: AttitudeState, inputs: tuple[Array, Environment]
+    ) -> tuple[AttitudeState, tuple[AttitudeState, Array]]:
         interval, stages = inputs
         carry = (state, interval, jnp.zeros_like(state.omega_bw))
         (end, _, impulse), _ = lax.scan(substep, carry, stages)
@@ -77,6 +81,10 @@ def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTab
     nodes = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
     omega_ob = dynamics.relative_rate(nodes, table.nodes)
     return Trajectory(nodes.q_ob, omega_ob, nodes.omega_bw, nodes.omega_ib, torque)
+
+
+fly_law = jax.jit(fly)
+"""`fly`, compiled, for a law that is a pytree of its own parameters."""
 
 
 def fly_torque(

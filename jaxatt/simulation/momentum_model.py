@@ -126,7 +126,9 @@ def rollout(
     coefficients = (jnp.asarray(_NEXT_POINT), jnp.asarray(_WEIGHT))
 
     def substep(base: Components, tau: Components, stages: Environment) -> Components:
-        def stage(carry: tuple[Components, Components], inputs):
+        def stage(
+            carry: tuple[Components, Components], inputs: tuple[tuple[Array, Array], Environment]
+        ) -> tuple[tuple[Components, Components], None]:
             point, total = carry
             (ahead, weight), environment = inputs
             k = derivative(point, tau, environment, body, disturbed)
@@ -138,7 +140,9 @@ def rollout(
         scale = lax.rsqrt(end[0] ** 2 + end[1] ** 2 + end[2] ** 2 + end[3] ** 2)
         return tuple(x * scale for x in end[:4]) + end[4:]
 
-    def interval(carry: Components, inputs: tuple[Array, Environment]):
+    def interval(
+        carry: Components, inputs: tuple[Array, Environment]
+    ) -> tuple[Components, Components]:
         row, stages = inputs
         tau = (row[0], row[1], row[2])
         if stages.gradient.shape[0] == 1:
