@@ -12,15 +12,19 @@ from jaxatt.problems.task import Task
 _ROUNDS = 12
 
 
-def improve(task: Task, candidate: Candidates, method: Method) -> Candidates:
-    """Drop and move single intervals of a support for as long as that makes it better."""
+def improve(task: Task, candidate: Candidates, method: Method, tried: set[bytes]) -> Candidates:
+    """Drop and move single intervals of a support for as long as that makes it better.
+
+    tried : supports that were polished before and need not be again; grows as the search goes on.
+    """
     allowed = np.asarray(task.arguments.free)[:, : 1 if task.shared else None] > 0
     reached_first = task.goal.terminal == "reach"
     for _ in range(_ROUNDS):
         support = support_of(task, candidate.controls[0])
-        supports = neighbours(support, allowed)
+        supports = [s for s in neighbours(support, allowed) if s.tobytes() not in tried]
         if not supports:
             break
+        tried.update(s.tobytes() for s in supports)
         masks = np.stack(supports)
         u = task.from_controls(candidate.controls[0])
         lost = (u[None] * ~masks).sum(axis=1, keepdims=True)

@@ -53,11 +53,13 @@ class Method:
     progress: Progress | None = None
 
 
-def _count_arguments(task: Task) -> SparseArguments:
+def count_arguments(task: Task) -> SparseArguments:
+    """Arguments with which the count of active intervals is minimised."""
     return replace(task.arguments, count_scale=jnp.asarray(task.sparsity_weight))
 
 
-def _effort_arguments(task: Task) -> SparseArguments:
+def effort_arguments(task: Task) -> SparseArguments:
+    """Arguments with which the L1 effort is minimised."""
     scale = task.effort_weight if task.goal.terminal == "penalty" else 1.0
     return replace(task.arguments, count_scale=jnp.asarray(0.0), effort_scale=jnp.asarray(scale))
 
@@ -83,7 +85,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     solution = solve_lanes(
         form,
         Lanes(starts.u * free, free, rows, starts.sign),
-        _effort_arguments(task) if slacks else _count_arguments(task),
+        effort_arguments(task) if slacks else count_arguments(task),
         SLACK if slacks else HOMOTOPY,
         method.progress,
         method.rows,
@@ -100,7 +102,7 @@ def polish(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
     solution = solve_lanes(
         Form(task.system, task.shared, slacks, method.inner),
         broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
-        _effort_arguments(task),
+        effort_arguments(task),
         SLACK if slacks else POLISH,
         method.progress,
         method.rows,

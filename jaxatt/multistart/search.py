@@ -84,7 +84,8 @@ def search(
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
         usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
-        pool = join(pool, *(improve(task, pool.pick(index), moving) for index in usable))
+        tried: set[bytes] = set()
+        pool = join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
     best = pool.pick(pool.order(reached_first)[0])
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
