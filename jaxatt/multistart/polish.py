@@ -31,6 +31,9 @@ POLISH = Schedule(
 )
 """Least effort on a frozen support, to the full tolerance."""
 
+SCREEN = replace(POLISH, max_iterations=30)
+"""As `POLISH`, but soon given up: most neighbours of a good support lead nowhere."""
+
 SLACK = Schedule(
     penalty=1e3, smoothing_start=3.0, smoothing_end=1e-2, max_inner=15, max_iterations=300
 )
@@ -95,7 +98,14 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     return u, size > _SUPPORT_THRESHOLD
 
 
-def polish(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
+def polish(
+    task: Task,
+    u: Floats,
+    supports: Mask,
+    sign: Floats,
+    method: Method,
+    schedule: Schedule = POLISH,
+) -> Candidates:
     """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers."""
     free = _free(task, supports)
     slacks = method.decides == "l1"
@@ -103,7 +113,7 @@ def polish(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
         Form(task.system, task.shared, slacks, method.inner),
         broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
         effort_arguments(task),
-        SLACK if slacks else POLISH,
+        SLACK if slacks else schedule,
         method.progress,
         method.rows,
     )

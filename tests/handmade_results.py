@@ -1,0 +1,139 @@
+"""Results made by hand, so that reporting and the command line are tested without a solve."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from jaxatt import scenarios
+from jaxatt.report.result import Leg, Result, StartsRecord
+
+ACTIVE = (0, 20, 49)
+
+
+def starts_record(count: int = 6) -> StartsRecord:
+    index = np.arange(count)
+    return StartsRecord(
+        status=index % 5,
+        reached=index % 2 == 0,
+        active_intervals=2 + index,
+        effort=1e-3 * (1.0 + index),
+        long_way=index == 4,
+        iterations=10 * index,
+        shortfall=0.5 + 1.0 * index,
+        distinct_minima=2,
+    )
+
+
+def spacecraft_leg(scenario: scenarios.Scenario, index: int = 0, **changes: Any) -> Leg:
+    """A leg that turns about x and fires in the intervals of `ACTIVE`."""
+    horizon, target = scenario.horizon, scenario.targets[index]
+    count, nodes = horizon.intervals, horizon.intervals + horizon.coast_intervals + 1
+    assert scenario.vehicle is not None
+    torque = np.zeros((count, 3))
+    torque[list(ACTIVE), 0] = (1e-3, -2e-3, 1e-3)
+    half = 0.5 * np.minimum(1.0, np.arange(nodes) / count)
+    rolled = np.stack([np.cos(half), np.sin(half), 0 * half, 0 * half], axis=1)
+    angle = scenario.waypoint is not None
+    leg = Leg(
+        start_time=index * horizon.duration,
+        step=horizon.step,
+        controls=torque,
+        weight=scenarios.window_weights(scenario),
+        window=scenarios.window_mask(scenario),
+        forbidden=scenarios.forbidden_mask(scenario),
+        series={
+            "q_ob": rolled,
+            "omega_ob": np.full((nodes, 3), 0.01),
+            "omega_ib": np.full((nodes, 3), 0.02),
+            "omega_bw": np.linspace(0.0, 50.0, 4 * nodes).reshape(nodes, 4),
+            "torque_body": torque,
+            "torque_wheels": torque @ np.asarray(scenario.vehicle.wheels.allocation).T,
+        },
+        reference={"q_ob": target.q_ob, "omega_ob": target.omega_ob},
+        errors={"attitude": math.radians(0.005), "rate": 1e-6}
+        | ({"waypoint": math.radians(0.05)} if angle else {}),
+        tolerances={"attitude": target.attitude_tolerance, "rate": target.rate_tolerance}
+        | ({"waypoint": 0.1} if angle else {}),
+        limit_violation=0.0,
+        margin_violation=0.0,
+        max_complementarity=1e-8,
+        objective={"rate": 1.0, "attitude": 2.0, "sparsity": 20.0},
+        effort=5.6e-3,
+        reached=True,
+        obstacle="",
+        active=np.abs(torque).max(axis=1) > 1e-6,
+        starts=starts_record(),
+    )
+    return dataclasses.replace(leg, **changes)
+
+
+def toy_leg(scenario: scenarios.Scenario) -> Leg:
+    """A leg of the double integrator."""
+    count = scenario.horizon.intervals
+    control = np.zeros((count, 1))
+    control[:10] = -1.0
+    return Leg(
+        start_time=0.0,
+        step=scenario.horizon.step,
+        controls=control,
+        weight=np.ones(count),
+        window=np.zeros(count, bool),
+        forbidden=np.zeros(count, bool),
+        series={"state": np.ones((count + 1, 2)), "control": control},
+        reference={"state": np.zeros(2)},
+        errors={"state": 1e-8},
+        tolerances={"state": 1e-6},
+        limit_violation=0.0,
+        margin_violation=0.0,
+        max_complementarity=1e-6,
+        objective={"sparsity": 10.0},
+        effort=0.5,
+        reached=True,
+        obstacle="",
+        active=np.abs(control[:, 0]) > 0,
+        starts=starts_record(),
+    )
+
+
+def assemble(scenario: scenarios.Scenario, *legs: Leg) -> Result:
+    return Result(
+        scenario=scenario,
+        legs=legs,
+        seed=7,
+        time={"compile": 1.5, "solve": 2.5, "verify": 0.25},
+        device="cpu",
+        precision="float64",
+        versions={"jaxatt": "0.1.0"},
+        notes=("a note",),
+    )
+
+
+def handmade(name: str = "hypso1-90-45-15", **changes: Any) -> Result:
+    """Result of a bundled scenario; keyword arguments change every leg of a spacecraft."""
+    scenario = scenarios.load(name)
+    if scenario.vehicle is None:
+        return assemble(scenario, toy_leg(scenario))
+    legs = [spacecraft_leg(scenario, i, **changes) for i in range(len(scenario.targets))]
+    return assemble(scenario, *legs)
+
+
+def resting() -> Result:
+    """A penalty answer that does nothing, with another that reaches."""
+    scenario = scenarios.replace(scenarios.load("hypso1-45-0-0"), {"objective.terminal": "penalty"})
+    count = scenario.horizon.intervals
+    leg = spacecraft_leg(
+        scenario,
+        active=np.zeros(count, bool),
+        controls=np.zeros((count, 3)),
+        objective={"rate": 0.0, "attitude": 7.612, "sparsity": 0.0},
+        reached=False,
+        obstacle="the target attitude is missed",
+        alternative=spacecraft_leg(
+            scenario, objective={"rate": 0.0, "attitude": 0.0, "sparsity": 20.0}
+        ),
+    )
+    return assemble(scenario, leg)

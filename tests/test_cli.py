@@ -1,0 +1,148 @@
+"""The command line: what it prints, writes and returns."""
+
+import json
+import re
+import subprocess
+import sys
+
+import handmade_results
+import pytest
+from typer.testing import CliRunner
+
+import jaxatt.solving
+from jaxatt import scenarios
+from jaxatt.cli import app
+from jaxatt.report.archive import open_archive
+from jaxatt.report.result import Result
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def plain(found):
+    """Output without the wrapping and frames of a terminal."""
+    return " ".join(re.sub(r"[│╭╮╰╯─]", " ", found.output).split())
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_scenarios_are_listed_with_a_line_each():
+    found = run("scenarios")
+    assert found.exit_code == 0
+    lines = found.output.splitlines()
+    assert [line.split()[0] for line in lines] == list(scenarios.names())
+    assert "Multiple-axis slew to (90, 45, 15) deg" in found.output
+
+
+def test_a_shown_scenario_is_changed_and_solved(here):
+    shown = run("scenarios", "show", "double-integrator")
+    assert shown.exit_code == 0
+    assert shown.output == scenarios.text("double-integrator")
+    document = shown.output.replace("state = [1.0, 1.0]", "state = [0.5, 0.5]")
+    document = document.replace("intervals = 100", "intervals = 40")
+    (here / "mine.toml").write_text(document.replace("double-integrator", "mine", 1))
+    found = run("solve", "mine.toml", "--objective", "l1", "--starts", 2, "--seed", 3)
+    assert found.exit_code == 0, found.output
+    assert "reached the target" in found.output
+    assert "Written to results/mine" in found.output
+    summary = json.loads((here / "results/mine/summary.json").read_text())
+    assert summary["scenario"] == "mine"
+    assert summary["status"] == "reached"
+    assert summary["starts"]["requested"] == 2
+    assert summary["seed"] == 3
+    archive = open_archive(here / "results/mine/result.nc")
+    assert archive.attrs["objective"] == "l1"
+    assert archive.sizes["interval"] == 40
+    assert (here / "results/mine/overview.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("solve", "hypso1-90-45-1"), ("did you mean 'hypso1-90-45-15'", "van-der-pol")),
+        (("solve", "nowhere.toml"), ("nowhere.toml: cannot be read",)),
+        (("solve", "double-integrator", "--terminal", "penalty"), ('use terminal = "reach"',)),
+        (("solve", "hypso1-90-0-0", "--starts", 0), ("--starts",)),
+        (("solve", "hypso1-90-0-0", "--objective", "l3"), ("--objective", "moving-l0")),
+        (("compare", "doubl-integrator"), ("did you mean 'double-integrator'",)),
+        (("scenarios", "show", "hypso"), ("no bundled scenario",)),
+        (("solve", "broken.toml"), ("broken.toml", "did you mean 'horizon_s'?")),
+        (("solve", "hypso1-90-0-0", "--out", "taken/below"), ("nothing can be written there",)),
+    ],
+)
+def test_bad_input_ends_with_2_and_leaves_nothing(here, arguments, words):
+    (here / "taken").write_text("a file")
+    document = scenarios.text("hypso1-90-0-0").replace("horizon_s =", "horizon =")
+    (here / "broken.toml").write_text(document)
+    before = sorted(here.iterdir())
+    found = run(*arguments)
+    assert found.exit_code == 2
+    assert all(word in plain(found) for word in words), found.output
+    assert "Traceback" not in found.output
+    assert sorted(here.iterdir()) == before
+
+
+def answer(make, result: Result):
+    def solve(*_, report, **__):
+        report("polishing", 4)
+        return result
+
+    make.setattr(jaxatt.solving, "solve", solve)
+
+
+def test_progress_is_told_in_lines_where_there_is_no_terminal(here, monkeypatch):
+    answer(monkeypatch, handmade_results.handmade("double-integrator"))
+    found = run("solve", "double-integrator", "--starts", 8, "--out", "there")
+    assert found.exit_code == 0
+    assert "polishing: 4 of 8" in found.output
+    assert (here / "there/summary.json").is_file()
+
+
+def test_quiet_says_one_line(here, monkeypatch):
+    answer(monkeypatch, handmade_results.handmade("double-integrator"))
+    found = run("solve", "double-integrator", "--quiet")
+    assert found.output.splitlines() == [
+        "Result(double-integrator: reached, 10 active intervals: 0-9); results/double-integrator"
+    ]
+
+
+def test_nothing_that_reaches_ends_with_3_and_says_what_was_in_the_way(here, monkeypatch):
+    answer(
+        monkeypatch, handmade_results.handmade(reached=False, obstacle="the target rate is missed")
+    )
+    found = run("solve", "hypso1-90-45-15")
+    assert found.exit_code == 3
+    assert "No start reached the target; of the closest, the target rate is missed." in plain(found)
+    assert (here / "results/hypso1-90-45-15/summary.json").is_file()
+
+
+def test_the_lowest_cost_that_does_not_reach_ends_with_3(here, monkeypatch):
+    answer(monkeypatch, handmade_results.resting())
+    found = run("solve", "hypso1-45-0-0", "--terminal", "penalty")
+    assert found.exit_code == 3
+    assert "prefers not moving: J = 7.612 against 20" in plain(found)
+    assert "best that reaches" in plain(found)
+
+
+def test_an_interruption_ends_with_130_and_leaves_nothing(here, monkeypatch):
+    def solve(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(jaxatt.solving, "solve", solve)
+    found = run("solve", "hypso1-90-45-15")
+    assert found.exit_code == 130
+    assert "Interrupted" in found.output
+    assert list(here.iterdir()) == []
+
+
+def test_the_installed_command_enables_double_precision_by_itself():
+    code = (
+        "import jax, jaxatt.cli as cli; assert not jax.config.jax_enable_x64; "
+        "cli._use_double_precision(); assert jax.config.jax_enable_x64"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

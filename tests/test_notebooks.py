@@ -1,0 +1,174 @@
+"""Every notebook runs from top to bottom, and the study still says what it should."""
+
+from __future__ import annotations
+
+import json
+import sys
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
+STUDY = NOTEBOOKS / "maximum_hands_off.py"
+CELL_TIMEOUT_S = 600
+
+# Read back from the notebook's own variables, in a last cell that only the test adds.
+PROBE = """
+import json
+print(json.dumps({
+    "found": found,
+    "resting": resting,
+    "penalty": {"45": penalty_45.summary(), "90": penalty_90.summary()},
+    "designs": {str(n): r.summary() for n, r in designs.items()},
+    "guesses": {label: r.summary() for label, r in guessed.items()},
+    "frames": {axes: r.summary() for axes, r in frames.items()},
+    "forbidden": {label: r.summary() for label, r in forbidden.items()},
+    "toys": {" ".join(key): r.summary() for key, r in toys.items()},
+}))
+"""
+
+
+def run_notebook(script: Path, folder: Path, probe: str = "") -> Any:
+    """Run a percent script in a fresh kernel of this very Python; return the executed notebook.
+
+    Raises `nbclient.exceptions.CellExecutionError` where a cell fails.
+    """
+    with warnings.catch_warnings():
+        # Jupyter announces where it will look for its own files.
+        warnings.filterwarnings("ignore", "Jupyter is migrating", DeprecationWarning)
+        import jupytext
+        import nbformat
+        from jupyter_client.kernelspec import KernelSpecManager
+        from jupyter_client.manager import AsyncKernelManager
+        from nbclient import NotebookClient
+
+        # A kernel of its own name: a "python3" installed by the user might be another Python.
+        kernel = folder / "kernels" / "this-python"
+        kernel.mkdir(parents=True)
+        specification = {
+            "argv": [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"],
+            "display_name": "this Python",
+            "language": "python",
+            "env": {"MPLBACKEND": "agg"},
+        }
+        (kernel / "kernel.json").write_text(json.dumps(specification), encoding="utf-8")
+        known = KernelSpecManager(kernel_dirs=[str(folder / "kernels")])
+        notebook = jupytext.read(script)
+        if probe:
+            notebook.cells.append(nbformat.v4.new_code_cell(probe))
+        return NotebookClient(
+            notebook,
+            km=AsyncKernelManager(kernel_name="this-python", kernel_spec_manager=known),
+            timeout=CELL_TIMEOUT_S,
+            resources={"metadata": {"path": str(folder)}},
+        ).execute()
+
+
+def outputs(notebook: Any, kind: str) -> list[str]:
+    """All outputs of a MIME type."""
+    return [
+        output["data"][kind]
+        for cell in notebook.cells
+        for output in cell.get("outputs", [])
+        if kind in output.get("data", {})
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "script",
+    sorted(path for path in NOTEBOOKS.glob("*.py") if path != STUDY),
+    ids=lambda path: path.stem,
+)
+def test_notebook_runs(script: Path, tmp_path: Path) -> None:
+    run_notebook(script, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return run_notebook(STUDY, tmp_path_factory.mktemp("study"), PROBE)
+
+
+@pytest.fixture(scope="module")
+def numbers(study: Any) -> Any:
+    return json.loads(study.cells[-1]["outputs"][0]["text"])
+
+
+@pytest.mark.slow
+def test_study_shows_tables_and_figures(study: Any) -> None:
+    assert len(outputs(study, "image/png")) >= 5
+    assert len(outputs(study, "text/markdown")) >= 15
+    assert not [o for c in study.cells for o in c.get("outputs", []) if o.get("name") == "stderr"]
+
+
+@pytest.mark.slow
+def test_every_optimised_case_is_reached_in_flight(numbers: Any) -> None:
+    assert len(numbers["found"]) == 21  # seven cases, three controllers
+    for case, row in numbers["found"].items():
+        assert row["status"] == "reached", case
+        assert row["attitude_error_deg"] < 0.01, case
+        assert row["rate_error_rad_s"] < 1e-5, case
+        assert row["torque_violation_Nm"] <= 1e-9, case
+
+
+@pytest.mark.slow
+def test_l0_needs_as_many_intervals_as_printed(numbers: Any) -> None:
+    rows = {case: row for case, row in numbers["found"].items() if case.endswith(", l0")}
+    assert len(rows) == 7
+    for case, row in rows.items():
+        assert row["active"] == row["printed"], case
+
+
+@pytest.mark.slow
+def test_moving_l0_stays_inside_its_windows(numbers: Any) -> None:
+    for case, row in numbers["found"].items():
+        if case.endswith("moving-l0") and not case.startswith("hypso1-path,"):
+            assert row["outside"] == 0, case
+
+
+@pytest.mark.slow
+def test_printed_objective_prefers_not_moving_where_resting_is_cheap(numbers: Any) -> None:
+    assert numbers["resting"]["(45, 0, 0)"] == pytest.approx(7.612, abs=2e-3)
+    assert numbers["resting"]["(90, 45, 15)"] == pytest.approx(31.699, abs=2e-3)
+    assert numbers["resting"]["path by intermediate quaternion"] == pytest.approx(10.231, abs=2e-3)
+    resting, moving = numbers["penalty"]["45"], numbers["penalty"]["90"]
+    assert resting["status"] == "not reached" and resting["active_intervals"] == 0
+    assert resting["alternative"]["status"] == "reached"
+    assert moving["status"] == "reached" and moving["objective"]["total"] <= 20.001
+
+
+@pytest.mark.slow
+def test_designs_guesses_and_axes(numbers: Any) -> None:
+    designs = numbers["designs"]
+    assert {design["status"] for design in designs.values()} == {"reached"}
+    assert designs["1"]["active_intervals"] == 2
+    # (5.14a) and (5.15) differ by 2 N k3 = 1000 and by nothing else.
+    difference = designs["2"]["objective"]["total"] - designs["3"]["objective"]["total"]
+    assert difference == pytest.approx(1000.0, abs=1e-3)
+    for label, answer in (numbers["guesses"] | numbers["frames"]).items():
+        if label == "all ones, the full limit" and answer["status"] != "reached":
+            assert answer["obstacle"], "a guess that leads nowhere must say why"
+            continue
+        assert answer["status"] == "reached", label
+        assert answer["active_intervals"] == 2, label
+
+
+@pytest.mark.slow
+def test_forbidden_windows_hold(numbers: Any) -> None:
+    inside = numbers["forbidden"]["only 20 to 30 allowed"]
+    quiet = numbers["forbidden"]["quiet until 14 s"]
+    assert inside["status"] == quiet["status"] == "reached"
+    assert all(20 <= k <= 30 for k in inside["active_interval_indices"])
+    assert min(quiet["active_interval_indices"]) >= 10
+    assert quiet["active_intervals"] == 2
+
+
+@pytest.mark.slow
+def test_toys_match_what_is_known(numbers: Any) -> None:
+    toys = numbers["toys"]
+    assert {toy["status"] for toy in toys.values()} == {"reached"}
+    exact = 5.0 - 10.0**0.5
+    assert toys["double-integrator l1"]["l1_effort_Nms"] == pytest.approx(exact, rel=1e-3)
+    assert 0.05 * toys["double-integrator l0"]["active_intervals"] == pytest.approx(exact, rel=0.05)
