@@ -134,12 +134,12 @@ def test_double_integrator(objective):
 
 
 def test_van_der_pol():
-    result = solved("van-der-pol", objective="l0")
+    result = jaxatt.solve("van-der-pol", objective="l0")  # with the case's own number of starts
     leg = result.legs[0]
     assert result.reached
     scenario = scenarios.load("van-der-pol")
     states = fly_toy(lambda x, u: [(1 - x[1] ** 2) * x[0] - x[1] + u, x[0]], scenario, leg)
-    assert np.linalg.norm(states[-1]) < 2e-6
+    assert np.linalg.norm(states[-1]) <= scenario.targets[0].state_tolerance * 1.001
     assert states[:, 1].min() >= -0.25 - 1e-6
     assert np.abs(leg.controls).max() <= 1.0 + 1e-9
     assert leg.active_intervals < 50

@@ -114,7 +114,13 @@ def test_half_a_turn_about_any_axis(seed):
 
 
 def test_a_hair_away():
-    scenario = changed({"target.attitude_quaternion": turn(np.deg2rad(0.02), [1, 2, -1])})
+    # Pulses at both ends would fall below the threshold of 1e-6 N m: few starts see the way out.
+    scenario = changed(
+        {
+            "target.attitude_quaternion": turn(np.deg2rad(0.02), [1, 2, -1]),
+            "solver.starts": 64,
+        }
+    )
     result = solve_and_refly(scenario)
     assert result.active_intervals == 2
     assert result.legs[0].effort < 1e-4
@@ -122,9 +128,7 @@ def test_a_hair_away():
 
 @pytest.mark.parametrize("angle", [0.0, 0.005])
 def test_nothing_to_do_is_done_with_no_torque(angle):
-    # The orbit frame turns at 1.1e-3 rad/s, and with it a body at rest in it: without torque the
-    # attitude holds to 0.01 deg only because omega_ob = 0 keeps turning with the frame until the
-    # gyroscopic term bends it away.
+    # Left alone the body drifts by less than this tolerance in 70 s.
     scenario = changed(
         {
             "target.attitude_quaternion": turn(np.deg2rad(angle), [0, 0, 1]),

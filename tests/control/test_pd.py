@@ -7,7 +7,7 @@ import pytest
 from references import wheeled_body
 
 from jaxatt import scenarios
-from jaxatt.control.pd import pd_law
+from jaxatt.control.pd import PDLaw
 from jaxatt.environment.table import tabulate
 from jaxatt.scenarios.build import surroundings_of
 from jaxatt.simulation.flight import fly, fly_torque
@@ -41,7 +41,7 @@ def flights(scenario):
 
     def one(q, rate, reference):
         start = at_relative_rate(q, rate, jnp.zeros(4), first)
-        return fly(craft, start, pd_law(craft, reference, jnp.zeros(3)), table)
+        return fly(craft, start, PDLaw(craft, reference, jnp.zeros(3)), table)
 
     flown = jax.jit(jax.vmap(one))(*map(jnp.asarray, (starts, rates, references)))
     return references, jax.tree.map(np.asarray, flown)
@@ -92,9 +92,9 @@ def test_torque_by_hand(scenario):
     body = inertia @ (2.7 * relative + 3.0 * error[1:])
     expected = np.linalg.pinv(np.asarray(craft.wheels.axes)) @ body
     for sign in (1.0, -1.0):  # q_ref and -q_ref are one attitude
-        law = pd_law(craft, jnp.asarray(sign * reference), jnp.zeros(3), clipped=False)
+        law = PDLaw(craft, jnp.asarray(sign * reference), jnp.zeros(3), clipped=False)
         np.testing.assert_allclose(law(jnp.asarray(0), state, environment), expected, rtol=1e-10)
-    clipped = pd_law(craft, jnp.asarray(reference), jnp.zeros(3))
+    clipped = PDLaw(craft, jnp.asarray(reference), jnp.zeros(3))
     np.testing.assert_allclose(
         clipped(jnp.asarray(0), state, environment), np.clip(expected, -LIMIT, LIMIT), rtol=1e-10
     )
@@ -107,7 +107,7 @@ def test_sampled_and_held_it_is_stable_only_when_sampled_fast(scenario, hold, st
     surroundings = surroundings_of(scenarios.load("hypso1-90-45-15"))
     table = tabulate(surroundings, 0.0, hold, 1, 4)
     first = jax.tree.map(lambda leaf: leaf[0], table.nodes)
-    law = pd_law(craft, jnp.asarray([1.0, 0, 0, 0]), jnp.zeros(3), clipped=False)
+    law = PDLaw(craft, jnp.asarray([1.0, 0, 0, 0]), jnp.zeros(3), clipped=False)
     small = jnp.asarray([1.0, 1e-4, -1e-4, 2e-4])
     start = at_relative_rate(small / jnp.linalg.norm(small), jnp.zeros(3), jnp.zeros(4), first)
 
