@@ -15,14 +15,11 @@ import numpy as np
 from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
 from jaxatt.control.pd import PDLaw
-from jaxatt.multistart.candidates import Candidates
-from jaxatt.multistart.search import Found, Report, search
-from jaxatt.optimize.status import Status
-from jaxatt.problems import sparsity
+from jaxatt.legs import leg_of
+from jaxatt.multistart.search import Report, search
 from jaxatt.problems.slew_task import Departure, SlewTask
-from jaxatt.problems.task import Floats, Task, Verdict
-from jaxatt.problems.toy import ToyTask
-from jaxatt.report.result import Leg, Result, StartsRecord
+from jaxatt.problems.task import Floats, Task
+from jaxatt.report.result import Leg, Result
 from jaxatt.scenarios.build import build_task
 from jaxatt.simulation.flight import Trajectory, fly_law
 
@@ -84,7 +81,7 @@ def solve(
         )
         resting_cost += found.resting_cost or 0.0
         flown = time.perf_counter()
-        leg, state = _leg(scenario, task, found, index)
+        leg, state = leg_of(scenario, task, found, index)
         legs.append(leg)
         verifying += time.perf_counter() - flown
     total = time.perf_counter() - began
@@ -147,120 +144,3 @@ def fly_pd(task: SlewTask, clipped: bool = True) -> Trajectory:
         task.craft, jnp.asarray(task.aim.q_ob), jnp.asarray(task.aim.omega_ob), clipped=clipped
     )
     return jax.tree.map(np.asarray, fly_law(task.craft, task.start, law, task.table))
-
-
-def _leg(
-    scenario: scenarios.Scenario, task: Task, found: Found, index: int
-) -> tuple[Leg, Departure | None]:
-    leg, state = _flown_leg(scenario, task, found, found.best, index)
-    if not leg.reached and found.reaching is not None:
-        alternative, _ = _flown_leg(scenario, task, found, found.reaching, index)
-        leg, state = _flown_leg(scenario, task, found, found.best, index, alternative)
-    return leg, state
-
-
-def _flown_leg(
-    scenario: scenarios.Scenario,
-    task: Task,
-    found: Found,
-    answer: Candidates,
-    index: int,
-    alternative: Leg | None = None,
-) -> tuple[Leg, Departure | None]:
-    controls = answer.controls
-    window = np.asarray(scenarios.window_mask(scenario))
-    forbidden = np.asarray(scenarios.forbidden_mask(scenario))
-    state = None
-    if isinstance(task, SlewTask):
-        flown = task.fly(controls)
-        verdict, cost = task.judge(flown, controls), task.cost(flown, controls)
-        end = task.intervals
-        state = Departure(
-            *(np.asarray(part[0, end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
-        )
-        series = {
-            "q_ob": np.asarray(flown.q_ob[0]),
-            "omega_ob": np.asarray(flown.omega_ob[0]),
-            "omega_ib": np.asarray(flown.omega_ib[0]),
-            "omega_bw": np.asarray(flown.omega_bw[0]),
-            "torque_body": task.body_torque(controls[0]),
-            "torque_wheels": task.wheel_torque(controls[0]),
-        }
-        reference = {"q_ob": task.aim.q_ob, "omega_ob": task.aim.omega_ob}
-        if task.passage is not None:
-            reference["waypoint"] = task.passage.q_ob
-    else:
-        assert isinstance(task, ToyTask)
-        verdict, cost = task.verify(controls)
-        series = {"state": task.fly(controls)[0], "control": controls[0]}
-        reference = {"state": np.asarray(task.parameters.target)}
-    xi = np.asarray(
-        sparsity.complementarity_vector(
-            jnp.asarray(controls[0]), jnp.asarray(task.goal.epsilon), task.shared
-        )
-    )
-    product = np.abs(controls[0]) * (xi[:, None] if task.shared else xi)
-    starts = found.starts
-    record = StartsRecord(
-        status=starts.status,
-        reached=starts.verdict.reached,
-        active_intervals=(np.abs(starts.controls) > task.threshold).any(axis=2).sum(axis=1),
-        effort=task.effort(starts.controls),
-        long_way=starts.sign < 0,
-        iterations=starts.iterations,
-        shortfall=starts.verdict.shortfall,
-        distinct_minima=found.distinct_minima,
-    )
-    reached = bool(verdict.reached[0])
-    leg = Leg(
-        start_time=index * scenario.horizon.duration,
-        step=task.step,
-        controls=controls[0],
-        weight=np.asarray(task.arguments.weight),
-        window=window,
-        forbidden=forbidden,
-        series=series,
-        reference=reference,
-        errors={name: float(value[0]) for name, value in verdict.errors.items()},
-        tolerances=verdict.tolerances,
-        limit_violation=float(verdict.limit_violation[0]),
-        margin_violation=float(verdict.margin_violation[0]),
-        max_complementarity=float(product.max()),
-        objective={name: float(value[0]) for name, value in cost.items()},
-        effort=float(task.effort(controls)[0]),
-        reached=reached,
-        obstacle="" if reached else _obstacle(task, answer),
-        active=(np.abs(controls[0]) > task.threshold).any(axis=1),
-        starts=record,
-        alternative=alternative,
-    )
-    return leg, state
-
-
-_ERROR_WORDS = {
-    "attitude": "the target attitude",
-    "rate": "the target rate",
-    "waypoint": "the waypoint's attitude",
-    "state": "the target state",
-}
-
-
-def _obstacle(task: Task, answer: Candidates) -> str:
-    """Which constraint is in the way of the closest answer, in words."""
-    verdict, status = answer.verdict, Status(int(answer.status[0]))
-    missed = [
-        f"{_ERROR_WORDS[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its "
-        "tolerance"
-        for name, error in verdict.errors.items()
-        if not error[0] <= verdict.tolerances[name]
-    ]
-    if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
-        missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
-    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE:
-        missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
-    saturated = task.saturated_intervals(answer.controls[0])
-    if saturated:
-        missed.append(f"the control limit binds in {saturated} of {task.intervals} intervals")
-    if status not in (Status.CONVERGED, Status.FEASIBLE):
-        missed.append(f"the solver {status.meaning}: {status.remedy}")
-    return "; ".join(missed)
