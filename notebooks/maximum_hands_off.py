@@ -259,27 +259,30 @@ studies["hypso1-90-0-0"] = study("hypso1-90-0-0")
 # %% [markdown]
 # Design 1 switches all three axes of an interval with one variable; designs 2 and 3 (5.14, 5.15)
 # give each axis its own, so that every axis of an interval counts. Their objectives differ by the
-# constant 2 N k3 only, which is why the thesis prints equal iteration counts for them and why
-# their answers are equal here.
+# constant 2 N k3 only, which is why the thesis prints equal iteration counts for them, and why one
+# solve serves both here: design 3 prices the answer of design 2 by (5.15).
 
 # %%
 single = scenarios.load("hypso1-90-0-0")
 printed_designs = printed_rows(single, "5.4")
-designs = {}
+third = scenarios.replace(single, {"objective.design": 3})
+designs = {1: studies["hypso1-90-0-0"].results["l0"]}
+designs[2], _ = solve(scenarios.replace(single, {"objective.design": 2}))
+_, parts = build_task(third).verify(designs[2].legs[0].controls[None])
+costs = {number: result.legs[0].total_cost for number, result in designs.items()}
+costs[3] = float(sum(part[0] for part in parts.values()))
 rows = []
-for number in (1, 2, 3):
-    designs[number], seconds = solve(scenarios.replace(single, {"objective.design": number}))
-    printed, leg = printed_designs[f"Design {number}"], designs[number].legs[0]
+for number, cost in costs.items():
+    printed, result = printed_designs[f"Design {number}"], designs[min(number, 2)]
     rows.append(
         [
             number,
             printed["active_intervals"],
-            leg.active_intervals,
-            indices(designs[number]),
-            int((leg.controls != 0.0).sum()),
-            f"{leg.total_cost:.3f}",
+            result.active_intervals,
+            indices(result),
+            int((result.legs[0].controls != 0.0).sum()),
+            f"{cost:.3f}",
             f"{printed['cpu_time_nlp_s']}, {printed['iterations']}",
-            f"{seconds:.1f}",
         ]
     )
 table(
@@ -291,7 +294,6 @@ table(
         "active (interval, axis) pairs",
         "J",
         "CPU NLP [s], iterations, printed",
-        "wall clock here [s]",
     ],
     rows,
 )

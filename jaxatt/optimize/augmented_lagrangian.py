@@ -28,7 +28,7 @@ class Schedule:
     """Settings of a solve; all are traced, so changing one does not recompile.
 
     tolerance : on constraint violation.
-    stationarity : on the scaled norm of the Lagrangian's gradient.
+    stationarity : on the scaled norm of the Lagrangian's gradient, and on complementary slackness.
     penalty, penalty_growth, penalty_limit : penalty of the constraints, its growth where the
         violation does not shrink, and its ceiling.
     stage_penalty : initial penalty of the stage inequalities.
@@ -67,7 +67,7 @@ class Solution(NamedTuple):
     x : (N, b).  objective : () at the final smoothing.  status : () a `Status`.
     violation : () largest constraint violation at x.  stationarity : () scaled norm of the
     Lagrangian's gradient where it was last evaluated (at x if the status is CONVERGED).
-    multipliers : see `Multipliers`.  iterations : () inner steps taken.
+    multipliers : those whose stationarity was tested.  iterations : () inner steps taken.
     """
 
     x: Array
@@ -241,7 +241,12 @@ def solve(
         ended = inner_minimum | (state.inner_steps >= schedule.max_inner)
         feasible = violation <= schedule.tolerance
         finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
-        converged = final & feasible & (stationarity <= schedule.stationarity)
+        slackness = jnp.maximum(
+            _largest(jnp.minimum(jnp.maximum(inequality, 0.0), estimates.inequality)),
+            _largest(jnp.minimum(jnp.maximum(stage, 0.0), estimates.stage)),
+        )
+        optimal = jnp.maximum(stationarity, slackness) <= schedule.stationarity
+        converged = final & feasible & optimal
         update = ended & (schedule.update_multipliers > 0)
         stalled = update & ~feasible & (violation > _SHRINKS * state.best_violation)
         stalls = state.stalls + jnp.where(stalled, 1, 0)
@@ -306,7 +311,11 @@ def solve(
             status,
             state.iterations + 1,
         )
-        held = state._replace(status=status, stationarity=stationarity)
+        held = state._replace(
+            status=status,
+            stationarity=stationarity,
+            terms=state.terms._replace(multipliers=fresh),
+        )
         return jax.tree.map(lambda new, old: jnp.where(status == _RUNNING, new, old), moved, held)
 
     def running(state: _State) -> Array:

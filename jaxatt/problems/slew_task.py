@@ -101,6 +101,7 @@ class SlewTask(Task):
     craft : vehicle.  departure, aim, passage : where it begins, ends and passes.
     axes : "body" or "wheels", the axes of the decision variables.
     weight : (N,), h_k.  forbidden : (N,), intervals without torque.
+    enforce_speed_limits : False to leave wheel speed limits to the verdict, which always has them.
     """
 
     threshold = 1e-6
@@ -117,8 +118,9 @@ class SlewTask(Task):
         forbidden: Flags,
         passage: Passage | None = None,
         axes: str = "body",
+        enforce_speed_limits: bool = True,
     ):
-        self.craft, self.aim, self.goal = craft, aim, goal
+        self.craft, self.departure, self.aim, self.goal = craft, departure, aim, goal
         self.grid, self.passage, self.axes = grid, passage, axes
         self.intervals, self.step = grid.intervals, grid.step
         substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
@@ -146,7 +148,7 @@ class SlewTask(Task):
         form = SlewForm(
             disturbed=bool(surroundings.gravity_gradient) or bool(surroundings.sine_amplitude),
             has_waypoint=passage is not None,
-            speed_limited=bool(np.isfinite(wheels.speed_limit).any()),
+            speed_limited=enforce_speed_limits and self.has_speed_limits,
         )
         self.system = slew_system(form)
         if goal.terminal == "penalty":
@@ -155,6 +157,11 @@ class SlewTask(Task):
             # On a frozen support the effort only breaks ties of the printed cost.
             self.effort_weight = goal.weights.sparsity * float(self.scale.max()) if l1 else 1e-4
         self.arguments = self._arguments(weight, forbidden)
+
+    @property
+    def has_speed_limits(self) -> bool:
+        """Whether any wheel has a speed limit."""
+        return bool(np.isfinite(self.craft.wheels.speed_limit).any())
 
     def _arguments(self, weight: Floats, forbidden: Flags) -> SparseArguments:
         craft, start, goal = self.craft, self.start, self.goal
@@ -302,6 +309,17 @@ class SlewTask(Task):
         return cost - 2.0 * self.intervals if self.goal.design == 3 else cost
 
     def long_way_probability(self) -> float:
-        """Half for a half turn, falling with the fourth power of the angle."""
-        angle = float(_compared(self.aim.q_ob, np.asarray(self.start.q_ob)[None])[0][0])
-        return 0.5 * (angle / np.pi) ** 4
+        """From the rate changes that the two ways round ask for about the axis between attitudes.
+
+        Half where both ask for the same, as for half a turn from rest; falling with the fourth
+        power of their ratio.
+        """
+        turn = np.asarray(errors.rotation_vector(self.start.q_ob, self.aim.q_ob))
+        angle = float(np.linalg.norm(turn))
+        if angle == 0.0:
+            return 0.0
+        rate = float(self.departure.omega_ob @ turn) / angle
+        duration = self.intervals * self.step
+        short, long = angle / duration, (2.0 * np.pi - angle) / duration
+        short_way, long_way = abs(short - rate) + short, abs(long + rate) + long
+        return float(short_way**4 / (short_way**4 + long_way**4))

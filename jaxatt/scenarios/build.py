@@ -47,11 +47,17 @@ def goal_of(scenario: Scenario) -> Goal:
     return Goal(o.kind, o.terminal, o.design, o.epsilon, weights)
 
 
-def build_task(scenario: Scenario, leg: int = 0, departure: Departure | None = None) -> Task:
+def build_task(
+    scenario: Scenario,
+    leg: int = 0,
+    departure: Departure | None = None,
+    enforce_speed_limits: bool = True,
+) -> Task:
     """Task of one leg of a scenario.
 
     leg : index into `scenario.targets`.  departure : where the leg begins, by default where the
     scenario does; successive legs hand over the flown end of the one before.
+    enforce_speed_limits : False to leave wheel speed limits to the verdict.
     """
     horizon, target, goal = scenario.horizon, scenario.targets[leg], goal_of(scenario)
     if scenario.system != SPACECRAFT:
@@ -86,4 +92,5 @@ def build_task(scenario: Scenario, leg: int = 0, departure: Departure | None = N
         forbidden=forbidden_mask(scenario),
         passage=None if passing is None else Passage(passing.q_ob, passing.node, passing.tolerance),
         axes=scenario.control.axes,
+        enforce_speed_limits=enforce_speed_limits,
     )

@@ -209,11 +209,6 @@ FLOOR = Program(
 )
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="complementarity is not tested: a multiplier left too large by an inner minimisation "
-    "that was cut short holds x = 1.82 above its floor of 1, and that is called CONVERGED",
-)
 def test_converged_means_complementary_too():
     schedule = Schedule(max_inner=1, smoothing_start=1e-4, penalty=10.0, stage_penalty=10.0)
     found = solve(FLOOR, jnp.full((1, 1), 5.0), None, schedule, inner_minimiser("gauss-newton"))
@@ -254,10 +249,6 @@ def test_equality_constrained_quadratic_with_known_multipliers(problems, begin):
         assert not found.multipliers.stage[lane].any()
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="solve() returns the multipliers from before the estimate it tested for stationarity",
-)
 def test_returned_multipliers_make_the_lagrangian_stationary(problems, begin):
     tolerance = 1e-7
     found = run(begin, stacked(problems), penalty=1e4, stage_penalty=1e2, tolerance=tolerance)
@@ -273,7 +264,7 @@ def test_returned_multipliers_make_the_lagrangian_stationary(problems, begin):
             + m.stage[:, SIZE:]
         )
         largest = max(np.abs(leaf).max() for leaf in m)
-        assert np.abs(gradient).max() <= 1.01 * tolerance * max(1.0, largest / 100.0)
+        assert np.abs(gradient).max() <= 1.01 * Schedule().stationarity * max(1.0, largest / 100.0)
 
 
 def test_multipliers_tell_active_from_inactive(problems, begin):
