@@ -20,3 +20,8 @@ def pytest_unconfigure() -> None:
     """Remove the compilation cache that this process made."""
     if _OWN_CACHE:
         shutil.rmtree(os.environ["JAX_COMPILATION_CACHE_DIR"], ignore_errors=True)
+
+
+def pytest_collection_modifyitems(items: list) -> None:
+    """Begin with the long studies, so that no worker is left alone with one at the end."""
+    items.sort(key=lambda item: item.get_closest_marker("slow") is None)

@@ -77,14 +77,8 @@ def outputs(notebook: Any, kind: str) -> list[str]:
     ]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "script",
-    sorted(path for path in NOTEBOOKS.glob("*.py") if path != STUDY),
-    ids=lambda path: path.stem,
-)
-def test_notebook_runs(script: Path, tmp_path: Path) -> None:
-    run_notebook(script, tmp_path)
+def test_every_notebook_is_run_here() -> None:
+    assert sorted(NOTEBOOKS.glob("*.py")) == [STUDY]
 
 
 @pytest.fixture(scope="module")
