@@ -102,7 +102,7 @@ def test_torque_by_hand(scenario):
 
 @pytest.mark.parametrize(("hold", "stable"), [(1.4, False), (0.2, True)])
 def test_sampled_and_held_it_is_stable_only_when_sampled_fast(scenario, hold, stable):
-    # Reading 4: 2.7 x 1.4 > 2.
+    # Derivative gain times hold, 2.7 x 1.4, exceeds 2.
     craft = scenario.vehicle
     surroundings = surroundings_of(scenarios.load("hypso1-90-45-15"))
     table = tabulate(surroundings, 0.0, hold, 1, 4)

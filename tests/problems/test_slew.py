@@ -189,7 +189,7 @@ def test_effort_is_the_integral_of_the_body_torque(task):
 
 
 def test_printed_cost_of_doing_nothing():
-    # Reading 1: 7.612 for (45,0,0), 29.290 for (90,0,0), 31.699 and 25.355 for the others.
+    # Doing nothing costs 7.612 for (45,0,0), 29.290 for (90,0,0), 31.699 and 25.355 for the others.
     for name, printed in (
         ("hypso1-45-0-0", 7.612),
         ("hypso1-90-0-0", 29.290),

@@ -1,7 +1,8 @@
 """Rigid body with reaction wheels on a Keplerian orbit, in NumPy and SciPy only.
 
-Written out again from Schaanning (2021), eqs. (2.35)-(2.40) and (4.2)-(4.20), with readings 3, 4
-and 7; shares nothing with the package.  The orbit is integrated beside the attitude, so that the
+Written out again from Schaanning (2021), eqs. (2.35)-(2.40) and (4.2)-(4.20), with omega_ob algebraic,
+the body taking -A tau_w and an orthogonal orbit frame; shares nothing with the package.  The
+orbit is integrated beside the attitude, so that the
 package's closed form and its table are on trial too.
 """
 
@@ -62,7 +63,7 @@ def orbit_state(space):
 
 
 def orbit_frame(r, v):
-    """R_o^i (2.38): z to the Earth, y against the orbit normal, x completes it (reading 7)."""
+    """R_o^i (2.38): z to the Earth, y against the orbit normal, x completes it."""
     z = -r / np.linalg.norm(r)
     y = -np.cross(r, v) / np.linalg.norm(np.cross(r, v))
     return np.column_stack([np.cross(y, z), y, z])
@@ -74,7 +75,7 @@ def orbit_rate(r, v):
 
 
 def relative_rate(q, omega, r, v):
-    """w_ob = w_ib - R' w_io, the algebraic relation (reading 3)."""
+    """w_ob = w_ib - R' w_io, the algebraic relation (4.3)."""
     return omega - rotation(q).T @ orbit_rate(r, v)
 
 
