@@ -78,7 +78,7 @@ def test_controls_are_clipped_and_thresholded(task):
 
 
 def test_analytic_optimum_of_the_double_integrator_arrives():
-    """Bang-off-bang with switches at 1.41886 and 4.58114 s, the analytic ones, on a grid that has them."""
+    """Bang-off-bang with the analytic switches, 1.41886 and 4.58114 s, on a grid with them."""
     task = build_task(scenarios.load("double-integrator"))
     switch_on, switch_off = 1.4188611699158102, 4.5811388300841898
     grid = np.arange(task.intervals + 1) * task.step

@@ -1,9 +1,9 @@
 """Rigid body with reaction wheels on a Keplerian orbit, in NumPy and SciPy only.
 
-Written out again from Schaanning (2021), eqs. (2.35)-(2.40) and (4.2)-(4.20), with omega_ob algebraic,
-the body taking -A tau_w and an orthogonal orbit frame; shares nothing with the package.  The
-orbit is integrated beside the attitude, so that the
-package's closed form and its table are on trial too.
+Written out again from Schaanning (2021), eqs. (2.35)-(2.40) and (4.2)-(4.20), with omega_ob
+algebraic, the body taking -A tau_w and an orthogonal orbit frame; shares nothing with the package.
+The orbit is integrated beside the attitude, so that the package's closed form and its table are on
+trial too.
 """
 
 from dataclasses import dataclass
