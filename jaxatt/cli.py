@@ -1,4 +1,4 @@
-"""The command line: solve a scenario, compare controllers on it, list the bundled scenarios.
+"""The command line: solve a scenario, compare controllers, certify an answer, list scenarios.
 
 Exit codes: 0 when every leg verifiably reached its target, 2 for bad input, 3 when the answer
 does not reach, 130 when interrupted.
@@ -89,7 +89,7 @@ def solve(
     }
     with _clean_exit():
         scenario, folder = _prepared(case, changes, out)
-        _use_double_precision()
+        _prepare_jax()
         from jaxatt.progress import Reporter
         from jaxatt.report.tables import resting_sentence, result_table
         from jaxatt.solving import solve as find
@@ -114,7 +114,7 @@ def compare(
     """Run PD, L1, L0 and moving L0, and print the table with the printed values beside."""
     with _clean_exit():
         scenario, folder = _prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
-        _use_double_precision()
+        _prepare_jax()
         from jaxatt.comparison import compare as run
         from jaxatt.progress import Reporter
 
@@ -128,6 +128,48 @@ def compare(
             for kind, result in comparison.results.items():
                 if not result.reached:
                     typer.echo(f"{kind}: {_shortfall(result)}", err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+@app.command()
+def certify(
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    objective: Annotated[
+        Objective | None, typer.Option(help="What is minimised.", show_default=False)
+    ] = None,
+    most: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Supports of one size that are tried at most.", show_default="50000"
+        ),
+    ] = None,
+    out: Out = None,
+    quiet: Quiet = False,
+) -> None:
+    """Solve, then try every support with fewer active intervals, and all with as many."""
+    changes = {
+        "solver.starts": starts,
+        "solver.seed": seed,
+        "objective.kind": None if objective is None else objective.value,
+    }
+    with _clean_exit():
+        scenario, folder = _prepared(case, changes, out)
+        _prepare_jax()
+        from jaxatt.certificate import MOST_SUPPORTS
+        from jaxatt.certificate import certify as run
+        from jaxatt.progress import Reporter
+
+        with Reporter(scenario.solver.starts, quiet) as report:
+            certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)
+        if not quiet:
+            _show(certificate.table())
+            for sentence in certificate.sentences():
+                typer.echo(sentence)
+        files = certificate.save(folder)
+        _finish(" ".join(certificate.sentences()), files, folder, quiet)
+        if not certificate.result.reached:
             raise typer.Exit(NOT_REACHED)
 
 
@@ -162,10 +204,10 @@ def main() -> None:
     app()
 
 
-def _use_double_precision() -> None:
-    import jax
+def _prepare_jax() -> None:
+    from jaxatt.runtime import configure
 
-    jax.config.update("jax_enable_x64", True)  # type: ignore[no-untyped-call]
+    configure()
 
 
 def _prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:

@@ -34,7 +34,7 @@ def solve(
     starts: int | None = None,
     seed: int | None = None,
     guess: str | Floats = "pulses",
-    inner: str = "gauss-newton",
+    inner: str = "auto",
     report: Report | None = None,
 ) -> Result:
     """Find the sparsest manoeuvre of a scenario from many starts and fly it again.
@@ -42,7 +42,7 @@ def solve(
     scenario : a `Scenario`, the name of a bundled one or a TOML file.
     objective, terminal, starts, seed : replace the scenario's own settings.
     guess : "pulses" (random), "pd", "l1", or controls (N, b) in the scenario's axes.
-    inner : "gauss-newton", "lbfgs" or "adam", see `jaxatt.optimize.inner`.
+    inner : "auto", or an inner minimiser of the augmented Lagrangian, see `jaxatt.optimize.inner`.
     report : called by the host with (stage, starts ended) between chunks of work.
 
     Raises `ScenarioError` (a `ValueError`) where the scenario does not make sense.

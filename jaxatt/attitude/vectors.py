@@ -94,3 +94,14 @@ def norm(v: ArrayLike) -> jax.Array:
     squared = jnp.sum(v * v, axis=-1)
     vanishes = squared < tiny(v)
     return jnp.where(vanishes, 0.0, jnp.sqrt(jnp.where(vanishes, 1.0, squared)))
+
+
+def inverse(matrix: ArrayLike) -> jax.Array:
+    """Inverse of a 3 x 3 matrix, (3, 3), by cofactors.
+
+    No factorisation: inside a loop that is many times faster than a call of LAPACK.
+    """
+    matrix = jnp.asarray(matrix)
+    a, b, c = matrix
+    columns = jnp.stack([jnp.cross(b, c), jnp.cross(c, a), jnp.cross(a, b)], axis=-1)
+    return columns / jnp.dot(a, columns[:, 0])

@@ -23,11 +23,13 @@ class Environment(NamedTuple):
     """Environment at one instant, or at many with leading axes.
 
     orbit_rate : (..., 3) [rad/s], omega_io in orbit axes.
+    orbit_attitude : (..., 4), q_io, of either sign.
     gradient : (...) [1/s^2], 3 mu / r^3; zero where the gravity gradient is switched off.
     disturbance : (..., 3) [N m], external torque in body axes that depends on time only.
     """
 
     orbit_rate: Array
+    orbit_attitude: Array
     gradient: Array
     disturbance: Array
 
@@ -71,6 +73,7 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     radius = jnp.linalg.norm(position, axis=-1)
     return Environment(
         frames.omega_io(position, velocity),
+        frames.quaternion_io(position, velocity),
         surroundings.gravity_gradient * 3.0 * surroundings.mu / radius**3,
         sinusoidal_torque(time, surroundings.sine_amplitude, surroundings.sine_frequency),
     )
@@ -79,16 +82,23 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
 _on_grid = jax.jit(environment_at)
 
 
+def _without_jumps(q: np.ndarray) -> np.ndarray:
+    """Quaternions (n, 4) along a motion with their signs made to follow each other."""
+    same = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
+    return q * np.concatenate([[1.0], np.cumprod(same)])[:, None]
+
+
 def tabulate(
     surroundings: Surroundings, start: float, step: float, intervals: int, substeps: int
 ) -> EnvironmentTable:
-    """Tabulate the environment of a roll-out.
+    """Tabulate the environment of a roll-out; q_io has no jumps of sign along it.
 
     start : [s] time of the first node.  step : [s] length of one of the `intervals`.
     """
     half = step / (2 * substeps)
     grid = start + half * np.arange(2 * substeps * intervals + 1)
     values = jax.tree.map(np.asarray, _on_grid(surroundings, grid))
+    values = values._replace(orbit_attitude=_without_jumps(values.orbit_attitude))
     first = 2 * np.arange(intervals * substeps).reshape(intervals, substeps)
     stages = first[..., None] + np.asarray(_STAGE_OFFSETS)
     nodes = 2 * substeps * np.arange(intervals + 1)

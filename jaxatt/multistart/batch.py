@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -14,6 +13,7 @@ from jax import Array
 
 from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
+from jaxatt.optimize.reweighting import Reweighting, SparseRoot, sparsify
 from jaxatt.problems.hands_off import (
     SparseArguments,
     SparseSystem,
@@ -23,10 +23,7 @@ from jaxatt.problems.hands_off import (
 )
 from jaxatt.problems.program import Program
 from jaxatt.problems.task import Floats
-from jaxatt.simulation.chunks import CHUNK, padded_chunks
-
-Progress = Callable[[int], None]
-"""Called by the host with the number of starts that have just ended."""
+from jaxatt.simulation.chunks import CHUNK, Progress, in_chunks
 
 
 class Lanes(NamedTuple):
@@ -35,10 +32,10 @@ class Lanes(NamedTuple):
     u : (S, N, b).  free : (S, N, b).  row_weight : (S, m).  sign : (S,).
     """
 
-    u: Floats
-    free: Floats
-    row_weight: Floats
-    sign: Floats
+    u: Any
+    free: Any
+    row_weight: Any
+    sign: Any
 
 
 @dataclass(frozen=True)
@@ -62,6 +59,16 @@ class Form:
         return build(self.system, self.shared)
 
 
+def placed(form: Form, lane: Lanes, arguments: SparseArguments) -> SparseArguments:
+    """Arguments of one lane."""
+    return replace(
+        arguments,
+        plant=form.system.turned(arguments.plant, lane.sign),
+        free=lane.free,
+        row_weight=lane.row_weight,
+    )
+
+
 @functools.partial(jax.jit, static_argnames=("form",))
 def _solve_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
@@ -69,19 +76,42 @@ def _solve_chunk(
     inner = inner_minimiser(form.inner)
 
     def one(lane: Lanes) -> Solution:
-        arg = replace(
-            arguments,
-            plant=form.system.turned(arguments.plant, jnp.asarray(lane.sign)),
-            free=jnp.asarray(lane.free),
-            row_weight=jnp.asarray(lane.row_weight),
-        )
-        u = jnp.asarray(lane.u)
+        arg, u = placed(form, lane, arguments), lane.u
         if not form.slacks:
             return solve(form.program, u, arg, schedule, inner)
         solution = solve(form.program, with_slacks(u, form.shared), arg, schedule, inner)
         return solution._replace(x=solution.x[:, : u.shape[1]])
 
-    return jax.vmap(one)(lanes)
+    return jax.vmap(one)(jax.tree.map(jnp.asarray, lanes))
+
+
+@functools.partial(jax.jit, static_argnames=("form",))
+def _sparsify_chunk(
+    form: Form, lanes: Lanes, arguments: SparseArguments, settings: Reweighting
+) -> SparseRoot:
+    respond, limits = form.system.response, form.system.limits
+    assert respond is not None and limits is not None
+
+    lanes = jax.tree.map(jnp.asarray, lanes)
+
+    def one(u: Array, sign: Array) -> tuple[Array, Array]:
+        rows, derivatives = respond(u, form.system.turned(arguments.plant, sign))
+        return rows, jnp.swapaxes(derivatives, 0, 1)
+
+    def response(u: Array) -> tuple[Array, Array]:
+        # The batch axis goes last, where every component becomes one contiguous vector.
+        return jax.vmap(one, in_axes=(-1, 0), out_axes=0)(jnp.moveaxis(u, 0, -1), lanes.sign)
+
+    return sparsify(
+        response,
+        limits(arguments.plant),
+        lanes.u,
+        lanes.free,
+        arguments.weight * arguments.count_scale,
+        lanes.row_weight,
+        form.shared,
+        settings,
+    )
 
 
 def solve_lanes(
@@ -92,16 +122,24 @@ def solve_lanes(
     progress: Progress | None = None,
     rows: int = CHUNK,
 ) -> Solution:
-    """Solve all lanes, chunk by chunk of `rows`, and gather the results on the host."""
-    parts = []
-    if progress is not None:
-        progress(0)
-    for chunk, size in padded_chunks(lanes, rows):
-        solution = _solve_chunk(form, chunk, arguments, schedule)
-        parts.append(jax.tree.map(lambda leaf, size=size: np.asarray(leaf)[:size], solution))
-        if progress is not None:
-            progress(size)
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+    """Solve all lanes by the augmented Lagrangian and gather the results on the host."""
+    run = functools.partial(_solve_chunk, form)
+    key = ("solve", form, lanes.u.shape[1:])
+    return in_chunks(lambda chunk: run(chunk, arguments, schedule), lanes, rows, progress, key)
+
+
+def sparsify_lanes(
+    form: Form,
+    lanes: Lanes,
+    arguments: SparseArguments,
+    settings: Reweighting,
+    progress: Progress | None = None,
+    rows: int = CHUNK,
+) -> SparseRoot:
+    """Bring all lanes' rows to zero with few controls and gather the results on the host."""
+    run = functools.partial(_sparsify_chunk, form)
+    key = ("sparsify", form, lanes.u.shape[1:])
+    return in_chunks(lambda chunk: run(chunk, arguments, settings), lanes, rows, progress, key)
 
 
 def broadcast_lanes(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.multistart.candidates import Candidates, better, support_of
-from jaxatt.multistart.polish import SCREEN, Method, polish
+from jaxatt.multistart.polish import Method, polish, screen
 from jaxatt.optimize.support import neighbours
 from jaxatt.problems.task import Task
 
@@ -29,7 +29,7 @@ def improve(task: Task, candidate: Candidates, method: Method, tried: set[bytes]
         u = task.from_controls(candidate.controls[0])
         lost = (u[None] * ~masks).sum(axis=1, keepdims=True)
         u = u[None] * masks + lost * (masks & ~support[None])
-        moved = polish(task, u, masks, np.repeat(candidate.sign, len(masks)), method, SCREEN)
+        moved = screen(task, u, masks, np.repeat(candidate.sign, len(masks)), method)
         best = moved.pick(moved.order(reached_first)[0])
         arrived = bool(best.verdict.reached[0]) or not reached_first
         if not (arrived and better(best.rank[0], candidate.rank[0])):

@@ -7,14 +7,17 @@ from dataclasses import dataclass, replace
 import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.multistart.batch import Form, Lanes, Progress, broadcast_lanes, solve_lanes
+from jaxatt.multistart.batch import Form, Lanes, broadcast_lanes, solve_lanes, sparsify_lanes
 from jaxatt.multistart.candidates import Candidates, evaluate
+from jaxatt.multistart.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.multistart.starts import Starts
 from jaxatt.optimize.augmented_lagrangian import Schedule
+from jaxatt.optimize.reweighting import SUPPORT_THRESHOLD, Reweighting
+from jaxatt.optimize.status import Status
 from jaxatt.optimize.support import Mask
 from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.task import Floats, Task
-from jaxatt.simulation.chunks import CHUNK
+from jaxatt.simulation.chunks import CHUNK, Progress
 
 HOMOTOPY = Schedule(
     smoothing_start=0.1,
@@ -32,28 +35,53 @@ POLISH = Schedule(
 """Least effort on a frozen support, to the full tolerance."""
 
 SCREEN = replace(POLISH, max_iterations=30)
-"""As `POLISH`, but soon given up: most neighbours of a good support lead nowhere."""
+"""As `POLISH`, but soon given up."""
 
 SLACK = Schedule(
     penalty=1e3, smoothing_start=3.0, smoothing_end=1e-2, max_inner=15, max_iterations=300
 )
 """The L1 problem with slacks, whose objective is linear: more inner steps, a softer start."""
 
-_SUPPORT_THRESHOLD = 1e-3
+SETTLE = Reweighting(deciding=0, settling=8)
+"""Least effort on a given support to the accuracy of the Newton steps, to see if it leads there."""
+
+SETTLED = 1e-5
+"""[rad] Rows left before the last step up to which a settled start counts as feasible."""
 
 
 @dataclass(frozen=True)
 class Method:
     """How a task is solved.
 
-    decides : "l0" or "l1", what decides the support.  inner : name of the inner minimiser.
+    decides : "l0" or "l1", what decides the support.
+    inner : name of the inner minimiser of the augmented Lagrangian; "riccati" takes the problem
+        stage by stage, where its support is decided by counting.
+    reweights : whether supports are decided and screened by reweighted Newton steps, where the
+        task's system allows it, instead of by the augmented Lagrangian.
     rows : starts in one compiled call.  progress : called with the number of starts just ended.
     """
 
     decides: str
     inner: str = "gauss-newton"
+    reweights: bool = True
     rows: int = CHUNK
     progress: Progress | None = None
+
+    def form(self, task: Task) -> Form:
+        """What is compiled for a task."""
+        inner = "gauss-newton" if self.inner == "riccati" else self.inner
+        return Form(task.system, task.shared, self.decides == "l1", inner)
+
+    def stages_for(self, task: Task) -> bool:
+        """Whether Riccati steps are taken: by choice, or where path constraints ask for them."""
+        if self.decides != "l0" or task.system.stages is None:
+            return False
+        return self.inner == "riccati" or (self.reweights and task.system.response is None)
+
+    def reweights_for(self, task: Task) -> bool:
+        """Whether reweighting is chosen and applies."""
+        by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
+        return by_pulses or self.stages_for(task)
 
 
 def count_arguments(task: Task) -> SparseArguments:
@@ -83,19 +111,45 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
         free = np.where(starts.confined[:, None, None], free * cheap, free)
     rows = np.broadcast_to(np.asarray(task.arguments.row_weight), (count, task.rows)).copy()
     rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
-    slacks = method.decides == "l1"
-    form = Form(task.system, task.shared, slacks, method.inner)
+    form, lanes = method.form(task), Lanes(starts.u * free, free, rows, starts.sign)
+    if method.reweights_for(task):
+        reweight = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
+        found = reweight(
+            form, lanes, count_arguments(task), Reweighting(), method.progress, method.rows
+        )
+        u = np.nan_to_num(np.asarray(found.u))
+        active: Mask = np.asarray(found.support) > 0
+        return u, np.any(active, axis=-1, keepdims=True) if task.shared else active
     solution = solve_lanes(
         form,
-        Lanes(starts.u * free, free, rows, starts.sign),
-        effort_arguments(task) if slacks else count_arguments(task),
-        SLACK if slacks else HOMOTOPY,
+        lanes,
+        effort_arguments(task) if form.slacks else count_arguments(task),
+        SLACK if form.slacks else HOMOTOPY,
         method.progress,
         method.rows,
     )
     u = np.nan_to_num(solution.x)
     size = np.abs(u).max(axis=-1, keepdims=True) if task.shared else np.abs(u)
-    return u, size > _SUPPORT_THRESHOLD
+    return u, size > SUPPORT_THRESHOLD
+
+
+def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
+    """As `polish`, but soon given up: most neighbours of a good support lead nowhere."""
+    if not method.reweights_for(task):
+        return polish(task, u, supports, sign, method, SCREEN)
+    free = _free(task, supports)
+    reweight = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
+    found = reweight(
+        method.form(task),
+        broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
+        count_arguments(task),
+        SETTLE,
+        method.progress,
+        method.rows,
+    )
+    arrived = np.asarray(found.residual) <= SETTLED
+    status = np.where(arrived, int(Status.FEASIBLE), int(Status.ITERATION_LIMIT))
+    return evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)
 
 
 def polish(
@@ -108,12 +162,13 @@ def polish(
 ) -> Candidates:
     """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers."""
     free = _free(task, supports)
-    slacks = method.decides == "l1"
-    solution = solve_lanes(
-        Form(task.system, task.shared, slacks, method.inner),
+    form = method.form(task)
+    solve = solve_staged_lanes if method.stages_for(task) else solve_lanes
+    solution = solve(
+        form,
         broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
         effort_arguments(task),
-        SLACK if slacks else schedule,
+        SLACK if form.slacks else schedule,
         method.progress,
         method.rows,
     )

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
+from jaxatt.multistart.enumeration import from_pairs
 from jaxatt.multistart.local_search import improve
 from jaxatt.multistart.polish import Method, decide, polish
 from jaxatt.multistart.starts import draw
 from jaxatt.optimize.status import Status
+from jaxatt.optimize.support import Mask
 from jaxatt.problems.task import Floats, Task
 from jaxatt.simulation.chunks import chunk_for
 
@@ -49,17 +51,24 @@ def search(
     count: int,
     seed: int,
     guess: Floats | None = None,
-    inner: str = "gauss-newton",
+    inner: str = "auto",
     report: Report | None = None,
 ) -> Found:
     """Find the best control of a task from `count` starts.
 
     guess : (N, b), the system's controls to start from; random pulses without it.
+    inner : "auto" decides supports by reweighted Newton steps where that applies; the name of an
+        inner minimiser lets the augmented Lagrangian do all of it.  "riccati" reweights and
+        polishes stage by stage; "auto" does so where path constraints rule out pulses.
     """
+    if inner == "riccati" and task.system.stages is None:
+        raise ValueError("inner = 'riccati': this problem has no stages; choose \"auto\"")
 
     def method(decides: str, stage: str) -> Method:
         progress = None if report is None else lambda done: report(stage, done)
-        return Method(decides, inner, chunk_for(count), progress)
+        reweights = inner == "auto"
+        name = "gauss-newton" if reweights else inner
+        return Method(decides, name, reweights, chunk_for(count), progress)
 
     def from_starts(decides: str) -> Candidates:
         u, supports = decide(task, starts, method(decides, "deciding which intervals are active"))
@@ -68,18 +77,23 @@ def search(
     scaled = None if guess is None else task.from_controls(guess)
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     ended = from_starts("l1" if task.goal.kind == "l1" else "l0")
+    pool = ended
     if task.goal.kind != "l1" and not ended.verdict.reached.any():
         # Where counting leads nowhere, the L1 optimum is the source's own guess for the support.
         rescued = from_starts("l1")
         if rescued.verdict.reached.any():
-            ended = rescued
+            pool = ended = rescued
+        elif pairs := _pairs(task, method("l0", "trying pairs of intervals"), count):
+            u, supports = pairs
+            way = np.ones(len(u))
+            pool = join(ended, polish(task, u, supports, way, method("l0", "polishing")))
 
     reached_first = task.goal.terminal == "reach"
-    pool, resting_cost = ended, None
+    resting_cost = None
     if not reached_first:
         resting = _resting(task)
         resting_cost = float(resting.rank[0, 0])
-        pool = join(ended, resting)
+        pool = join(pool, resting)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
@@ -90,6 +104,10 @@ def search(
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
     return Found(ended, best, reaching, _distinct(task, ended), resting_cost)
+
+
+def _pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:
+    return from_pairs(task, method, count) if method.reweights_for(task) else None
 
 
 def _distinct(task: Task, candidates: Candidates) -> int:

@@ -13,7 +13,7 @@ from jax import Array
 
 from jaxatt.problems.task import Floats
 
-_AMPLITUDE = 0.01
+_AMPLITUDE = 0.003
 _SPREAD = 1.5
 _RELATIVE_NOISE = 0.3
 

@@ -18,6 +18,7 @@ import optax
 from jax import Array, lax
 
 from jaxatt.optimize.gauss_newton import LocalModel
+from jaxatt.optimize.penalty import equality_cost, inequality_cost, pushed
 from jaxatt.optimize.status import Status
 from jaxatt.problems.program import Program
 
@@ -144,13 +145,11 @@ def _merit(program: Program, x: Array, args: Any, values: _Values, terms: _Terms
     """Augmented Lagrangian (Powell, Hestenes, Rockafellar form) at evaluated constraints."""
     multipliers, penalty, stage_penalty, smoothing = terms
     weight = _equality_penalty(program, x, args, penalty, values.equality)
-    pushed = jnp.maximum(0.0, multipliers.inequality - penalty * values.inequality)
-    pushed_stage = jnp.maximum(0.0, multipliers.stage - stage_penalty * values.stage)
     return (
         program.objective(x, args, smoothing)
-        + jnp.sum(multipliers.equality * values.equality + 0.5 * weight * values.equality**2)
-        + jnp.sum(pushed**2 - multipliers.inequality**2) / (2.0 * penalty)
-        + jnp.sum(pushed_stage**2 - multipliers.stage**2) / (2.0 * stage_penalty)
+        + equality_cost(multipliers.equality, weight, values.equality)
+        + inequality_cost(multipliers.inequality, penalty, values.inequality)
+        + inequality_cost(multipliers.stage, stage_penalty, values.stage)
     )
 
 
@@ -197,10 +196,6 @@ def solve(
 
     def as_array(value: float) -> Array:
         return jnp.asarray(value, dtype)
-
-    def pushed(multipliers: Array, penalty: Array, values: Array) -> Array:
-        """Multiplier estimate of inequalities, zero where they are satisfied with room to spare."""
-        return jnp.maximum(0.0, multipliers - penalty * values)
 
     def body(state: _State) -> _State:
         x = state.x

@@ -10,6 +10,8 @@ import optax
 from jaxatt.optimize.gauss_newton import gauss_newton
 
 NAMES = ("gauss-newton", "lbfgs", "adam")
+DENSE_NAMES = ("newton", "gauss-newton", "lbfgs", "adam")
+"""Those of the dense solver, which has the exact Hessian."""
 
 
 def _without_model(

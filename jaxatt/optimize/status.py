@@ -17,6 +17,7 @@ class Status(IntEnum):
     INFEASIBLE = 2
     ITERATION_LIMIT = 3
     NOT_FINITE = 4
+    UNBOUNDED = 5
 
     @property
     def meaning(self) -> str:
@@ -46,5 +47,9 @@ _MEANING = {
     Status.NOT_FINITE: (
         "met a value or derivative that is not finite",
         "check the problem's data and the start",
+    ),
+    Status.UNBOUNDED: (
+        "met the constraints while the objective fell without limit",
+        "add the bound or constraint that keeps the objective finite",
     ),
 }

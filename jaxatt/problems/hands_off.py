@@ -17,6 +17,7 @@ from jax import Array
 
 from jaxatt.problems import sparsity
 from jaxatt.problems.program import Program
+from jaxatt.problems.staged import StagedProgram
 
 
 @jax.tree_util.register_dataclass
@@ -50,12 +51,21 @@ class SparseSystem:
     margins : (u, plant) -> (p,), path constraints, non-negative when satisfied.
     stage_margins : (u, plant) -> (N, q), control limits, non-negative when satisfied.
     turned : (plant, sign) -> plant, aimed at the target the short (1) or the long (-1) way round.
+    response : (u, plant) -> (m,) and (N, m, b), the errors that `rows` measures, in any smooth
+        measure that vanishes where they do, and their derivatives, exact or nearly so; None where
+        path constraints rule out a search that does not know them.
+    limits : plant -> (n, b), rows l of the control limits |l u[k]| <= 1.
+    stages : number of controls b -> the same system interval by interval, without cost and
+        without the control limits, its arguments `SparseArguments`; None where it has no such form.
     """
 
     rows: Callable[[Array, Any], Array]
     margins: Callable[[Array, Any], Array]
     stage_margins: Callable[[Array, Any], Array]
     turned: Callable[[Any, Array], Any] = lambda plant, sign: plant
+    response: Callable[[Array, Any], tuple[Array, Array]] | None = None
+    limits: Callable[[Any], Array] | None = None
+    stages: Callable[[int], StagedProgram] | None = None
 
 
 @functools.cache

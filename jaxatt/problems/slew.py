@@ -6,8 +6,7 @@ Moore-Penrose allocation) or directly in wheel axes.
 
 from __future__ import annotations
 
-import functools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +14,6 @@ from jax import Array
 
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable
-from jaxatt.problems.hands_off import SparseSystem
 from jaxatt.simulation import momentum_model
 from jaxatt.simulation.momentum_model import BodyParameters
 
@@ -29,7 +27,8 @@ class SlewParameters:
     """All numbers of a slew; every leaf may be batched, swept or differentiated.
 
     body : inertias.  table : environment along the orbit.
-    start : (10,), q_ob, omega_ib [rad/s], total momentum [N m s] at the first node.
+    start : (7,), q_ib and omega_ib [rad/s] at the first node.
+    momentum : (3,) [N m s], total momentum at the first node in inertial axes.
     reference : (4,), target q_ob; its sign selects the way round.
     reference_rate : (3,) [rad/s], target omega_ob.
     waypoint : (4,), attitude at `waypoint_node`; waypoint_node : () int, in 1 .. N.
@@ -44,6 +43,7 @@ class SlewParameters:
     body: BodyParameters
     table: EnvironmentTable
     start: Array
+    momentum: Array
     reference: Array
     reference_rate: Array
     waypoint: Array
@@ -60,11 +60,15 @@ class SlewParameters:
 
 @dataclass(frozen=True)
 class SlewForm:
-    """What is compiled in: which terms a slew has."""
+    """What is compiled in: which terms a slew has.
+
+    gyroscopic : whether the total momentum is so large that `pulse_response` does not hold.
+    """
 
     disturbed: bool = False
     has_waypoint: bool = False
     speed_limited: bool = False
+    gyroscopic: bool = False
 
 
 def attitude_row(reference: Array, q: Array) -> Array:
@@ -76,11 +80,32 @@ def attitude_row(reference: Array, q: Array) -> Array:
     return 2.0 * error[1:] * jnp.sqrt(2.0 / jnp.maximum(1.0 + error[0], 1e-12))
 
 
-def _rollout(
+def fly_nodes(
     u: Array, p: SlewParameters, form: SlewForm
-) -> tuple[momentum_model.Components, momentum_model.Components]:
-    start = tuple(p.start[i] for i in range(10))
-    return momentum_model.rollout(start, u @ p.to_body.T, p.table, p.body, form.disturbed)
+) -> tuple[momentum_model.Components, Array]:
+    """Roll-out of scaled controls: q_ib and omega_ib at the last node and at 1 to N, (N, 7)."""
+    start = tuple(p.start[i] for i in range(7))
+    momentum = tuple(p.momentum[i] for i in range(3))
+    torque = u @ p.to_body.T
+    return momentum_model.rollout(start, momentum, torque, p.table, p.body, form.disturbed)
+
+
+def inertial_reference(p: SlewParameters) -> Array:
+    """Target q_ib at the last node, (4,); its sign selects the way round."""
+    return quaternion.multiply(p.table.nodes.orbit_attitude[-1], p.reference)
+
+
+def inertial_waypoint(p: SlewParameters) -> Array:
+    """Waypoint's q_ib at its node, (4,)."""
+    return quaternion.multiply(p.table.nodes.orbit_attitude[p.waypoint_node], p.waypoint)
+
+
+def rate_row(q_ib: Array, omega_ib: Array, p: SlewParameters) -> Array:
+    """Error of the rate relative to the orbit frame at the last node, (3,), scaled."""
+    nodes = p.table.nodes
+    orbit_rate_i = quaternion.rotate(nodes.orbit_attitude[-1], nodes.orbit_rate[-1])
+    relative = omega_ib - quaternion.rotate_inverse(q_ib, orbit_rate_i)
+    return RATE_SCALE * (relative - p.reference_rate)
 
 
 def terminal_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
@@ -88,15 +113,11 @@ def terminal_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
 
     Returns (6,) or (9,): [rad], `RATE_SCALE` x [rad/s], [rad].
     """
-    end, nodes = _rollout(u, p, form)
-    rate = jnp.stack(momentum_model.relative_rate(end, p.table.nodes.orbit_rate[-1]))
-    rows = [
-        attitude_row(p.reference, jnp.stack(end[:4])),
-        RATE_SCALE * (rate - p.reference_rate),
-    ]
+    end, nodes = fly_nodes(u, p, form)
+    q = jnp.stack(end[:4])
+    rows = [attitude_row(inertial_reference(p), q), rate_row(q, jnp.stack(end[4:]), p)]
     if form.has_waypoint:
-        q = jnp.stack([node[p.waypoint_node - 1] for node in nodes[:4]])
-        rows.append(attitude_row(p.waypoint, q))
+        rows.append(attitude_row(inertial_waypoint(p), nodes[p.waypoint_node - 1, :4]))
     return jnp.concatenate(rows)
 
 
@@ -106,13 +127,12 @@ def wheel_speeds(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     Integral of (4.20d): J_w (omega_bw - omega_bw(0)) is the impulse on the wheel less
     J_w A' (omega_ib - omega_ib(0)).
     """
-    _, nodes = _rollout(u, p, form)
-    omega = jnp.stack(nodes[4:7], axis=-1)
+    omega = fly_nodes(u, p, form)[1][:, 4:]
     impulse = jnp.cumsum(u @ p.wheel_torque.T, axis=0) * p.step
     return (
         p.wheel_speed[None]
         + impulse / p.wheel_inertia[None]
-        - (omega - p.start[None, 4:7]) @ p.wheel_axes
+        - (omega - p.start[None, 4:]) @ p.wheel_axes
     )
 
 
@@ -128,14 +148,3 @@ def torque_margins(u: Array, p: SlewParameters) -> Array:
     """Distance of every wheel torque to its limits, in units of the limit, (N, 2 n)."""
     relative = u @ p.to_wheels.T
     return jnp.concatenate([1.0 - relative, 1.0 + relative], axis=1)
-
-
-@functools.cache
-def slew_system(form: SlewForm) -> SparseSystem:
-    """The slew as a system for sparse control, with the terms of `form` compiled in."""
-    return SparseSystem(
-        rows=lambda u, p: terminal_rows(u, p, form),
-        margins=lambda u, p: speed_margins(u, p, form),
-        stage_margins=torque_margins,
-        turned=lambda p, sign: replace(p, reference=p.reference * sign),
-    )

@@ -9,17 +9,21 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.attitude import errors
+from jaxatt.attitude import errors, quaternion
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
 from jaxatt.problems import sparsity
 from jaxatt.problems.hands_off import SparseArguments
-from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters, slew_system
+from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
+from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
-from jaxatt.simulation.chunks import padded_chunks
+from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.momentum_model import BodyParameters
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+
+_SMALL_GYROSCOPIC_TURN = 0.5
+"""|H| T / J up to which the derivatives of `pulse_response` make Newton's method contract well."""
 
 _LONGEST_SUBSTEP_PHASE = 0.35
 """[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
@@ -74,12 +78,7 @@ def automatic_substeps(step: float, surroundings: Surroundings) -> int:
 
 def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
     """As `_compare`, for (4,) and (S, 4), on the host."""
-    chunks = [
-        [np.asarray(leaf)[:size] for leaf in _compare(q_ref, chunk)]
-        for chunk, size in padded_chunks(q)
-    ]
-    angle, metric = (np.concatenate(leaves) for leaves in zip(*chunks, strict=True))
-    return angle, metric
+    return in_chunks(lambda chunk: _compare(q_ref, chunk), q, key="compare")
 
 
 @jax.jit
@@ -149,6 +148,7 @@ class SlewTask(Task):
             disturbed=bool(surroundings.gravity_gradient) or bool(surroundings.sine_amplitude),
             has_waypoint=passage is not None,
             speed_limited=enforce_speed_limits and self.has_speed_limits,
+            gyroscopic=self._gyroscopic_turn() > _SMALL_GYROSCOPIC_TURN,
         )
         self.system = slew_system(form)
         if goal.terminal == "penalty":
@@ -163,6 +163,12 @@ class SlewTask(Task):
         """Whether any wheel has a speed limit."""
         return bool(np.isfinite(self.craft.wheels.speed_limit).any())
 
+    def _gyroscopic_turn(self) -> float:
+        """|H| T over the least moment of inertia: how far the momentum could turn the body."""
+        momentum = total_momentum(self.craft, self.start.omega_ib, self.start.omega_bw)
+        least = np.linalg.eigvalsh(np.asarray(self.craft.inertia_without_spin)).min()
+        return float(np.linalg.norm(momentum)) * self.intervals * self.step / float(least)
+
     def _arguments(self, weight: Floats, forbidden: Flags) -> SparseArguments:
         craft, start, goal = self.craft, self.start, self.goal
         wheels = craft.wheels
@@ -172,11 +178,13 @@ class SlewTask(Task):
         passing = self.passage
         waypoint = reference if passing is None else np.asarray(passing.q_ob)
         waypoint = waypoint * (1.0 if float(waypoint @ np.asarray(start.q_ob)) >= 0 else -1.0)
+        q_ib = quaternion.multiply(self.table.nodes.orbit_attitude[0], start.q_ob)
         momentum = total_momentum(craft, start.omega_ib, start.omega_bw)
         plant = SlewParameters(
             body=BodyParameters(inertia, jnp.linalg.inv(jnp.asarray(craft.inertia_without_spin))),
             table=coarsen(self.table, self.intervals, self.substeps),
-            start=jnp.concatenate([start.q_ob, start.omega_ib, momentum]),
+            start=jnp.concatenate([q_ib, start.omega_ib]),
+            momentum=quaternion.rotate(q_ib, momentum),
             reference=jnp.asarray(reference),
             reference_rate=jnp.asarray(self.aim.omega_ob),
             waypoint=jnp.asarray(waypoint),
@@ -233,15 +241,13 @@ class SlewTask(Task):
 
     def fly(self, controls: Floats) -> Trajectory:
         """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
+        start, craft, table = self.start, self.craft, self.table
         wheel = self.wheel_torque(controls)
-        parts = [
-            jax.tree.map(
-                lambda leaf, size=size: np.asarray(leaf)[:size],
-                _fly_many(self.craft, self.start, chunk, self.table),
-            )
-            for chunk, size in padded_chunks(wheel)
-        ]
-        return jax.tree.map(lambda *leaves: np.concatenate(leaves), *parts)
+        return in_chunks(
+            lambda chunk: _fly_many(craft, start, chunk, table),
+            wheel,
+            key=("fly", wheel.shape[1:], table.stages.gradient.shape),
+        )
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
         """Errors of a flight at the end of the horizon and at the waypoint."""

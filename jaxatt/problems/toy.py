@@ -17,7 +17,7 @@ from jax import Array, lax
 from jaxatt.problems import sparsity
 from jaxatt.problems.hands_off import SparseArguments, SparseSystem
 from jaxatt.problems.task import Floats, Goal, Task, Verdict
-from jaxatt.simulation.chunks import padded_chunks
+from jaxatt.simulation.chunks import in_chunks
 
 _VERIFICATION_FACTOR = 20
 
@@ -90,9 +90,17 @@ def toy_system(name: str, substeps: int) -> SparseSystem:
             return jnp.zeros((0,), u.dtype)
         return system.margin(nodes(u, p)[1:])
 
+    def rows(u: Array, p: ToyParameters) -> Array:
+        return nodes(u, p)[-1] - p.target
+
+    def response(u: Array, p: ToyParameters) -> tuple[Array, Array]:
+        return rows(u, p), jnp.swapaxes(jax.jacrev(rows)(u, p), 0, 1)
+
     return SparseSystem(
-        rows=lambda u, p: nodes(u, p)[-1] - p.target,
+        rows=rows,
         margins=margins,
+        response=response if system.margin is None else None,
+        limits=lambda p: jnp.ones((1, 1)),
         stage_margins=lambda u, p: jnp.concatenate([1.0 - u, 1.0 + u], axis=1),
     )
 
@@ -148,11 +156,12 @@ class ToyTask(Task):
     def fly(self, controls: Floats) -> Floats:
         """States (S, N + 1, 2) with twenty times the substeps of the optimisation."""
         steps = self.substeps * _VERIFICATION_FACTOR
-        parts = [
-            np.asarray(_fly_many(self.name, chunk, self.parameters, steps))[:size]
-            for chunk, size in padded_chunks(controls)
-        ]
-        return np.concatenate(parts)
+        name, parameters = self.name, self.parameters
+        return in_chunks(
+            lambda chunk: _fly_many(name, chunk, parameters, steps),
+            controls,
+            key=("fly", name, controls.shape[1:], steps),
+        )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
         """Simulate again with fine steps."""

@@ -1,20 +1,45 @@
-"""Chunks of one size, so that a batch of any length compiles once."""
+"""Chunks of one size, so that a batch of any length compiles once, on all cores at once."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Hashable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import jax
 import numpy as np
 
 CHUNK = 64
-"""Rows in one compiled call; 64 to 256 are fastest on a CPU of two cores."""
+"""Rows in one compiled call; 32 to 128 are fastest on a core."""
+
+ACCELERATOR_CHUNK = 4096
+"""The same on a GPU or TPU, which one chunk must fill."""
+
+Progress = Callable[[int], None]
+"""Called by the host with the number of rows that have just ended."""
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def workers() -> int:
+    """Chunks that run side by side.
+
+    One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime`.  With
+    its asynchronous dispatch they would share one pool of threads, in which programs that call
+    LAPACK can wait for each other for ever.
+    """
+    inline = not jax.config.read("jax_cpu_enable_async_dispatch")  # type: ignore[no-untyped-call]
+    return _cores() if inline and jax.default_backend() == "cpu" else 1
 
 
 def chunk_for(count: int) -> int:
-    """Rows a chunk for a search of `count` starts: a power of two, 8 to `CHUNK`."""
-    return min(CHUNK, max(8, 1 << (count - 1).bit_length()))
+    """Rows a chunk for a batch of `count`: a power of two, so few that every core has some."""
+    most = CHUNK if jax.default_backend() == "cpu" else ACCELERATOR_CHUNK
+    share = -(-count // workers())
+    return min(most, max(8, 1 << (share - 1).bit_length()))
 
 
 def padded_chunks(batch: Any, rows: int = CHUNK) -> Iterator[tuple[Any, int]]:
@@ -33,3 +58,48 @@ def padded_chunks(batch: Any, rows: int = CHUNK) -> Iterator[tuple[Any, int]]:
                 chunk,
             )
         yield chunk, size
+
+
+_compiled: set[Hashable] = set()
+
+
+def in_chunks(
+    run: Callable[[Any], Any],
+    batch: Any,
+    rows: int = CHUNK,
+    progress: Progress | None = None,
+    key: Hashable = None,
+) -> Any:
+    """`run` on all rows of a batch, chunk by chunk, and its results gathered on the host.
+
+    run : from a pytree with leading axis `rows` to another; compiled, so that it leaves the
+    interpreter free while it works: chunks run side by side, one a core.
+    key : what `run` compiles for; the first chunk of a new key runs alone, or every thread would
+    compile it.
+    """
+    parts = list(padded_chunks(batch, rows))
+    alone = 0 if key is not None and (key, rows) in _compiled else 1
+    _compiled.add((key, rows))
+    gathered = []
+
+    def one(part: tuple[Any, int]) -> Any:
+        chunk, size = part
+        return jax.tree.map(lambda leaf: np.asarray(leaf)[:size], run(chunk))
+
+    def collect(found: Any, size: int) -> None:
+        gathered.append(found)
+        if progress is not None:
+            progress(size)
+
+    if progress is not None:
+        progress(0)
+    for part in parts[:alone]:
+        collect(one(part), part[1])
+    rest = parts[alone:]
+    if len(rest) == 1:
+        collect(one(rest[0]), rest[0][1])
+    elif rest:
+        with ThreadPoolExecutor(workers()) as pool:
+            for found, part in zip(pool.map(one, rest), rest, strict=True):
+                collect(found, part[1])
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves), *gathered)

@@ -1,13 +1,15 @@
-"""Roll-out of a rigid body with reaction wheels in its ten momentum states.
+"""Roll-out of a rigid body with reaction wheels in its momentum states.
 
-The orbit does not depend on the control, so everything that belongs to it is tabulated, and the
-wheel speeds follow from the total angular momentum.  What is left is the attitude quaternion, the
-inertial rate and the total momentum in body axes.
+The wheel speeds follow from the total angular momentum, which the wheels cannot change: in
+inertial axes it stays as it is unless an external torque acts.  What is left is the attitude and
+the rate relative to inertial, seven states, and three more only where there are such torques.  The
+orbit enters through the target, which is turned to inertial axes, and through those torques.
 
-The state is a tuple of ten scalars and the right-hand side is written in components on purpose:
-under `jax.vmap` every scalar becomes one contiguous batch vector, and the scan over the four
-Runge-Kutta stages keeps XLA from recomputing the straight-line code, which together are several
-times faster on a CPU than the same equations with small matrices.
+The state is a tuple of scalars and the right-hand side is written in components on purpose: under
+`jax.vmap` with the batch axis last every scalar becomes one contiguous batch vector, and the scan
+over the four Runge-Kutta stages keeps XLA from recomputing the straight-line code, which together
+are several times faster on a CPU than the same equations with small matrices.  For the same reason
+the nodes leave the loop as one array.
 """
 
 from __future__ import annotations
@@ -52,103 +54,145 @@ def _matvec(matrix: Array, v: Components) -> Components:
 
 
 def _to_body(q: Components, v: Components) -> Components:
-    """Orbit components of a vector into body components: R(q_ob)' v."""
-    eta, eps = q[0], q[1:4]
-    once = _cross(eps, v)
-    twice = _cross(eps, once)
-    return tuple(v[i] - 2.0 * (eta * once[i] - twice[i]) for i in range(3))
+    """Inertial components of a vector into body components: R(q_ib)' v."""
+    once = _cross(q[1:4], v)
+    twice = _cross(q[1:4], once)
+    return tuple(v[i] - 2.0 * (q[0] * once[i] - twice[i]) for i in range(3))
 
 
-def relative_rate(state: Components, orbit_rate: Array) -> Components:
-    """Body rate relative to the orbit frame, omega_ob = omega_ib - R' omega_io (eq. 4.3)."""
-    carried = _to_body(state[:4], (orbit_rate[0], orbit_rate[1], orbit_rate[2]))
-    return tuple(state[4 + i] - carried[i] for i in range(3))
+def _to_inertial(q: Components, v: Components) -> Components:
+    """Body components of a vector into inertial components: R(q_ib) v."""
+    return _to_body((-q[0], *q[1:4]), v)
+
+
+def _down(q_io: Array) -> Array:
+    """The orbit frame's z axis, to the Earth's centre, in inertial axes: (..., 4) -> (..., 3)."""
+    w, x, y, z = (q_io[..., i] for i in range(4))
+    return jnp.stack(
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1
+    )
 
 
 def derivative(
     state: Components,
     torque: Components,
+    momentum: Components,
     environment: Environment,
     body: BodyParameters,
     disturbed: bool,
 ) -> Components:
     """Right-hand side of the momentum model.
 
-    state : ten scalars, q_ob (4), omega_ib (3) [rad/s], total momentum H (3) [N m s], body axes.
+    state : q_ib (4), omega_ib (3) [rad/s] in body axes and, if disturbed, the total momentum (3)
+        [N m s] in inertial axes.
     torque : three scalars [N m], torque on the wheels in body axes; the body receives its negative.
-    environment : at this instant.  disturbed : whether its external torques act (static).
-    Source: Schaanning (2021), eqs. (4.2), (4.9), (4.11), (4.20b), with omega_ob algebraic (4.3).
+    momentum : the total momentum where it is constant; not read if disturbed.
+    environment : at this instant, with `down` in place of the orbit's attitude.
+    disturbed : whether its external torques act (static).
+    Source: Schaanning (2021), eqs. (4.2), (4.9), (4.11), (4.20b), in inertial axes.
     """
-    q, omega, momentum = state[:4], state[4:7], state[7:10]
-    w = relative_rate(state, environment.orbit_rate)
+    q, w = state[:4], state[4:7]
     q_rate = (
         0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]),
         0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]),
         0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]),
         0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]),
     )
-    momentum_rate = _cross(momentum, omega)
-    if disturbed:
-        down = (
-            2.0 * (q[1] * q[3] - q[0] * q[2]),
-            2.0 * (q[2] * q[3] + q[0] * q[1]),
-            1.0 - 2.0 * (q[1] * q[1] + q[2] * q[2]),
+    turning = _cross(_to_body(q, state[7:] if disturbed else momentum), w)
+    if not disturbed:
+        return q_rate + _matvec(
+            body.inverse_inertia, tuple(turning[i] - torque[i] for i in range(3))
         )
-        tidal = _cross(down, _matvec(body.inertia, down))
-        momentum_rate = tuple(
-            momentum_rate[i] + environment.gradient * tidal[i] + environment.disturbance[i]
-            for i in range(3)
-        )
+    down_i = tuple(environment.orbit_attitude[i] for i in range(3))
+    down = _to_body(q, down_i)
+    tidal = _cross(down, _matvec(body.inertia, down))
+    external = tuple(environment.gradient * tidal[i] + environment.disturbance[i] for i in range(3))
     omega_rate = _matvec(
-        body.inverse_inertia, tuple(momentum_rate[i] - torque[i] for i in range(3))
+        body.inverse_inertia, tuple(turning[i] + external[i] - torque[i] for i in range(3))
     )
-    return q_rate + omega_rate + momentum_rate
+    return q_rate + omega_rate + _to_inertial(q, external)
+
+
+def with_down(stages: Environment) -> Environment:
+    """Tabulated stages with the orbit frame's `down` in place of its attitude, for `step`."""
+    return stages._replace(orbit_attitude=_down(stages.orbit_attitude))
+
+
+def _substep(
+    base: Components,
+    momentum: Components,
+    torque: Components,
+    along: Environment,
+    h: Array,
+    body: BodyParameters,
+    disturbed: bool,
+) -> Components:
+    def stage(
+        carry: tuple[Components, Components], inputs: tuple[tuple[Array, Array], Environment]
+    ) -> tuple[tuple[Components, Components], None]:
+        point, total = carry
+        (ahead, weight), environment = inputs
+        k = derivative(point, torque, momentum, environment, body, disturbed)
+        point = tuple(x + ahead * h * dx for x, dx in zip(base, k, strict=True))
+        total = tuple(x + weight * h * dx for x, dx in zip(total, k, strict=True))
+        return (point, total), None
+
+    coefficients = (jnp.asarray(_NEXT_POINT), jnp.asarray(_WEIGHT))
+    (_, end), _ = lax.scan(stage, (base, base), (coefficients, along))
+    scale = lax.rsqrt(end[0] ** 2 + end[1] ** 2 + end[2] ** 2 + end[3] ** 2)
+    return tuple(x * scale for x in end[:4]) + end[4:]
+
+
+def step(
+    state: Components,
+    momentum: Components,
+    torque: Components,
+    along: Environment,
+    h: Array,
+    body: BodyParameters,
+    disturbed: bool,
+) -> Components:
+    """State after one interval of constant torque.
+
+    state : as for `derivative`.  along : leading axes (S, 4), the stages of S substeps of h [s],
+    from `with_down`.  The quaternion is normalised after every substep.
+    """
+
+    def substep(base: Components, environment: Environment) -> Components:
+        return _substep(base, momentum, torque, environment, h, body, disturbed)
+
+    if along.gradient.shape[0] == 1:
+        return substep(state, jax.tree.map(lambda leaf: leaf[0], along))
+    end, _ = lax.scan(lambda x, environment: (substep(x, environment), None), state, along)
+    return end
 
 
 def rollout(
     state: Components,
+    momentum: Components,
     torque: Array,
     table: EnvironmentTable,
     body: BodyParameters,
     disturbed: bool,
-) -> tuple[Components, Components]:
+) -> tuple[Components, Array]:
     """Fly a piecewise constant torque with fixed-step RK4.
 
-    state : ten scalars at the first node (see `derivative`).
+    state : seven scalars at the first node, q_ib and omega_ib [rad/s].
+    momentum : three scalars [N m s], total momentum in inertial axes at the first node.
     torque : (N, 3) [N m], torque on the wheels in body axes, constant over each interval.
     table : environment at the stage times of every substep; its shape sets N and the substeps.
     disturbed : whether the table's external torques act (static).
 
-    Returns the state at the last node and the states at nodes 1 to N (ten arrays of shape (N,)).
+    Returns q_ib and omega_ib at the last node, seven scalars, and at nodes 1 to N, (N, 7).
     The quaternion is normalised after every step.
     """
-    h = table.substep
-    coefficients = (jnp.asarray(_NEXT_POINT), jnp.asarray(_WEIGHT))
 
-    def substep(base: Components, tau: Components, stages: Environment) -> Components:
-        def stage(
-            carry: tuple[Components, Components], inputs: tuple[tuple[Array, Array], Environment]
-        ) -> tuple[tuple[Components, Components], None]:
-            point, total = carry
-            (ahead, weight), environment = inputs
-            k = derivative(point, tau, environment, body, disturbed)
-            point = tuple(x + ahead * h * dx for x, dx in zip(base, k, strict=True))
-            total = tuple(x + weight * h * dx for x, dx in zip(total, k, strict=True))
-            return (point, total), None
-
-        (_, end), _ = lax.scan(stage, (base, base), (coefficients, stages))
-        scale = lax.rsqrt(end[0] ** 2 + end[1] ** 2 + end[2] ** 2 + end[3] ** 2)
-        return tuple(x * scale for x in end[:4]) + end[4:]
-
-    def interval(
-        carry: Components, inputs: tuple[Array, Environment]
-    ) -> tuple[Components, Components]:
-        row, stages = inputs
+    def interval(carry: Components, inputs: tuple[Array, Environment]) -> tuple[Components, Array]:
+        row, along = inputs
         tau = (row[0], row[1], row[2])
-        if stages.gradient.shape[0] == 1:
-            end = substep(carry, tau, jax.tree.map(lambda leaf: leaf[0], stages))
-        else:
-            end, _ = lax.scan(lambda x, env: (substep(x, tau, env), None), carry, stages)
-        return end, end
+        end = step(carry, momentum, tau, along, table.substep, body, disturbed)
+        return end, jnp.stack(end[:7])
 
-    return lax.scan(interval, state, (torque, table.stages))
+    first = state + momentum if disturbed else state
+    end, nodes = lax.scan(interval, first, (torque, with_down(table.stages)))
+    return end[:7], nodes

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.attitude import quaternion
+from jaxatt.attitude.vectors import inverse
 from jaxatt.environment.table import Environment
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
@@ -56,10 +57,8 @@ def derivative(
     down = quaternion.rotate_inverse(q, jnp.asarray([0.0, 0.0, 1.0], q.dtype))
     external = environment.gradient * jnp.cross(down, inertia @ down) + environment.disturbance
     momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
-    omega_rate = jnp.linalg.solve(
-        jnp.asarray(craft.inertia_without_spin),
-        external - wheels.axes @ wheel_torque - jnp.cross(state.omega_ib, momentum),
-    )
+    torque = external - wheels.axes @ wheel_torque - jnp.cross(state.omega_ib, momentum)
+    omega_rate = inverse(jnp.asarray(craft.inertia_without_spin)) @ torque
     unit = AttitudeState(q, state.omega_ib, state.omega_bw)
     return AttitudeState(
         quaternion.derivative(state.q_ob, relative_rate(unit, environment)),

@@ -1,0 +1,41 @@
+"""Cases that the comparison runs, by name."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jaxatt import scenarios
+from jaxatt.problems.task import Task
+from jaxatt.scenarios.build import build_task
+from jaxatt.scenarios.model import Scenario
+
+HALF_TORQUE = "-half-torque"
+"""Ending of a case's name: the same slew with every wheel's torque limit halved."""
+
+BEST_KNOWN = {
+    "hypso1-90-45-15": 2,
+    "hypso1-75-50-15": 2,
+    "hypso1-90-45-15-half-torque": 2,
+    "hypso1-75-50-15-half-torque": 2,
+    # The least effort is 1.837722 s and the impulse -1 s, so at least 1.418861 s push one way and
+    # 0.418861 s the other: 29 and 9 intervals of 0.05 s.
+    "double-integrator": 38,
+}
+"""Best-known number of active intervals."""
+
+
+def scenario_of(case: str) -> Scenario:
+    """Scenario of a case.  Raises KeyError for a name that is not in `BEST_KNOWN`."""
+    if case not in BEST_KNOWN:
+        raise KeyError(f"{case}: choose one of {', '.join(BEST_KNOWN)}")
+    scenario = scenarios.load(case.removesuffix(HALF_TORQUE))
+    if not case.endswith(HALF_TORQUE):
+        return scenario
+    assert scenario.vehicle is not None
+    limit = np.asarray(scenario.vehicle.wheels.torque_limit) / 2.0
+    return scenarios.replace(scenario, {"vehicle.wheels.torque_limit_Nm": limit.tolist()})
+
+
+def task_of(case: str) -> Task:
+    """Task of a case; `jax_enable_x64` must be on."""
+    return build_task(scenario_of(case))

@@ -1,0 +1,45 @@
+"""Optax's first-order minimisers inside the dense solver, for comparison and for many variables."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import jax.numpy as jnp
+import optax
+from jax import Array
+
+from jaxatt.optimize.dense import proposals
+from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.state import choose
+
+
+class FirstOrder:
+    """Directions by "lbfgs" or "adam"; history is dropped with every new augmented Lagrangian."""
+
+    NAMES: ClassVar[tuple[str, ...]] = ("lbfgs", "adam")
+
+    def __init__(self, name: str) -> None:
+        self._searches = name == "lbfgs"
+        self._rule = optax.lbfgs(linesearch=None) if self._searches else optax.adam(1e-2)
+
+    def init(self, x: Array) -> Any:
+        """State before the first step."""
+        return self._rule.init(x)
+
+    def propose(
+        self,
+        x: Array,
+        gradient: Array,
+        fixed: Array,
+        state: Any,
+        fresh: Array,
+        radius: Array,
+        box: Box,
+    ) -> tuple[Array, Any]:
+        """Trial points (k, n) and the new state; fresh : () bool, forget what was before."""
+        state = choose(fresh, self._rule.init(x), state)
+        free = jnp.where(fixed, 0.0, gradient)
+        direction, state = self._rule.update(free, state, x)
+        if not self._searches:
+            return box.project(x + direction)[None], state
+        return proposals.along(x, gradient, direction, fixed, radius, box), state

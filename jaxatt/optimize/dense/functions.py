@@ -1,0 +1,98 @@
+"""Objective and constraints of a small programme, stacked, scaled and differentiated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+Function = Callable[..., Any]
+
+_LARGEST_SLOPE = 100.0
+_SMALLEST_SCALE = 1e-8
+
+
+@dataclass(frozen=True)
+class Functions:
+    """Callables of (x, *args), compared by identity: the same ones are compiled once.
+
+    objective : () to minimise.  equality : zero when met.  inequality : non-negative when met;
+    both a scalar, (m,) or None.
+    """
+
+    objective: Function
+    equality: Function | None = None
+    inequality: Function | None = None
+
+    def parts(self, x: Array, args: Any) -> tuple[Array, Array, Array]:
+        """Objective (), equalities (m,) and inequalities (p,) at x, (n,)."""
+        none = jnp.zeros((0,), x.dtype)
+        return (
+            jnp.asarray(self.objective(x, *args), x.dtype).reshape(()),
+            none if self.equality is None else _rows(self.equality(x, *args), x),
+            none if self.inequality is None else _rows(self.inequality(x, *args), x),
+        )
+
+    def rows(self, x: Array, args: Any) -> Array:
+        """Objective, equalities, inequalities, one below the other: (1 + q,)."""
+        objective, equality, inequality = self.parts(x, args)
+        return jnp.concatenate([objective[None], equality, inequality])
+
+    def derivatives(self, x: Array, args: Any) -> tuple[Array, Array]:
+        """Rows (1 + q,) and their derivatives (1 + q, n)."""
+        return jacobian(lambda y: self.rows(y, args), x)
+
+    def hessian(self, x: Array, args: Any, weights: Array) -> Array:
+        """Second derivatives (n, n) of the rows' sum with weights (1 + q,)."""
+        return jax.hessian(lambda y: weights @ self.rows(y, args))(x)
+
+    def counts(self, x: Array, args: Any) -> tuple[int, int]:
+        """Number of equalities and inequalities."""
+        _, equality, inequality = jax.eval_shape(self.parts, x, args)
+        return equality.shape[0], inequality.shape[0]
+
+
+def _rows(values: Any, x: Array) -> Array:
+    return jnp.atleast_1d(jnp.asarray(values, x.dtype))
+
+
+def jacobian(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    """Values (m,) and derivatives (m, n), by the cheaper of the two modes."""
+    count = jax.eval_shape(function, x).shape[0]
+    if count <= x.shape[0]:
+        values, pullback = jax.vjp(function, x)
+        return values, jax.vmap(lambda row: pullback(row)[0])(jnp.eye(count, dtype=x.dtype))
+    values, push = jax.linearize(function, x)
+    return values, jax.vmap(push)(jnp.eye(x.shape[0], dtype=x.dtype)).T
+
+
+class Local(NamedTuple):
+    """Scaled values and first derivatives at a point.
+
+    objective : ().  rows : (q,), equalities first.  slope : (n,), the objective's gradient.
+    jacobian : (q, n).
+    """
+
+    objective: Array
+    rows: Array
+    slope: Array
+    jacobian: Array
+
+    @property
+    def finite(self) -> Array:
+        """Whether everything is."""
+        return jnp.all(jnp.array([jnp.all(jnp.isfinite(leaf)) for leaf in self]))
+
+
+def scale_of(derivatives: Array) -> Array:
+    """Factors that bring the steepest slope of every row down to 100, as IPOPT does.
+
+    derivatives : (1 + q, n) at the start.  Source: Waechter & Biegler (2006), section 3.8.
+    """
+    steepest = jnp.max(jnp.abs(derivatives), axis=1)
+    steepest = jnp.where(jnp.isfinite(steepest), steepest, 1.0)
+    return jnp.maximum(_SMALLEST_SCALE, jnp.minimum(1.0, _LARGEST_SLOPE / steepest))

@@ -1,0 +1,106 @@
+"""What the dense solver carries from pass to pass."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.dense.residuals import Residuals
+
+_VIOLATION_COSTS = 10.0
+
+
+class Phase(IntEnum):
+    """What the current point is for.
+
+    DESCENT : minimise the augmented Lagrangian.  NEWTON : a step on the first-order conditions is
+    on trial.  RESTORATION : minimise the violation, whatever the objective.
+    """
+
+    DESCENT = 0
+    NEWTON = 1
+    RESTORATION = 2
+
+
+class Limits(NamedTuple):
+    """tolerance : of violation and stationarity.  max_iterations : passes.  max_inner : passes
+    until the multipliers are updated in any case.
+    """
+
+    tolerance: Array
+    max_iterations: Array
+    max_inner: Array
+
+
+class Record(NamedTuple):
+    """A point worth remembering: x (n,), scaled multipliers (q,), objective (), residuals."""
+
+    x: Array
+    multipliers: Array
+    objective: Array
+    residuals: Residuals
+
+    @property
+    def worth(self) -> Array:
+        """Objective, and what a violation may have bought where multipliers grow without limit."""
+        size = jnp.maximum(1.0, jnp.abs(self.objective))
+        worth = self.objective + _VIOLATION_COSTS * size * jnp.cbrt(self.residuals.violation)
+        return jnp.where(jnp.isnan(worth), jnp.inf, worth)
+
+    def unless(self, replace: Array, other: Record) -> Record:
+        """This record, or the other one where `replace` holds."""
+        return choose(replace, other, self)
+
+
+class Anchor(NamedTuple):
+    """Where a trial of Newton steps goes back to: x (n,), multipliers (q,), total residual ()."""
+
+    x: Array
+    multipliers: Array
+    total: Array
+
+
+class State(NamedTuple):
+    """One start under way.
+
+    x : (n,).  safe : (n,), last point with finite derivatives.  outer : (n,), where the inner
+    minimisation began.  multipliers : (q,).  penalty, radius, goal : (), goal is the gradient at
+    which the inner minimisation ends.  stuck : () bool, no trial lowered the merit.  curved : ()
+    bool, negative curvature was seen.  method : state of a first-order minimiser.
+    """
+
+    x: Array
+    safe: Array
+    outer: Array
+    multipliers: Array
+    penalty: Array
+    radius: Array
+    goal: Array
+    phase: Array
+    anchor: Anchor
+    inner: Array
+    stuck: Array
+    curved: Array
+    violation: Array
+    stalls: Array
+    resets: Array
+    restorations: Array
+    escapes: Array
+    retreats: Array
+    settled: Array
+    finishing: Array
+    stationary: Record
+    feasible: Record
+    closest: Record
+    status: Array
+    iterations: Array
+    method: Any
+
+
+def choose(condition: Array, yes: Any, no: Any) -> Any:
+    """Leafwise `where` with a scalar condition."""
+    return jax.tree.map(lambda a, b: jnp.where(condition, a, b), yes, no)

@@ -1,0 +1,31 @@
+"""The slew as a system for sparse control, with the terms of its form compiled in."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+from jaxatt.problems.hands_off import SparseSystem
+from jaxatt.problems.pulse_response import exact_response, pulse_response
+from jaxatt.problems.slew import (
+    SlewForm,
+    speed_margins,
+    terminal_rows,
+    torque_margins,
+)
+from jaxatt.problems.slew_stages import slew_stages
+
+
+@functools.cache
+def slew_system(form: SlewForm) -> SparseSystem:
+    """The slew as a system for sparse control, with the terms of `form` compiled in."""
+    response = exact_response if form.gyroscopic else pulse_response
+    return SparseSystem(
+        rows=lambda u, p: terminal_rows(u, p, form),
+        margins=lambda u, p: speed_margins(u, p, form),
+        stage_margins=torque_margins,
+        turned=lambda p, sign: replace(p, reference=p.reference * sign),
+        response=None if form.speed_limited else lambda u, p: response(u, p, form),
+        limits=lambda p: p.to_wheels,
+        stages=functools.partial(slew_stages, form),
+    )
