@@ -62,6 +62,15 @@ Out = Annotated[
     Path | None,
     typer.Option(help="Folder for the files, made if missing.", show_default="results/NAME"),
 ]
+Cache = Annotated[
+    Path | None,
+    typer.Option(
+        "--compile-cache",
+        help="Folder that keeps compiled programs, so that the next process starts faster.",
+        envvar="JAX_COMPILATION_CACHE_DIR",
+        show_default="none",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]
 
 
@@ -78,6 +87,7 @@ def solve(
         Objective | None, typer.Option(help="What is minimised.", show_default=False)
     ] = None,
     out: Out = None,
+    compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
     """Find the sparsest manoeuvre, fly it again, and write summary, archive and figures."""
@@ -89,7 +99,7 @@ def solve(
     }
     with _clean_exit():
         scenario, folder = _prepared(case, changes, out)
-        _prepare_jax()
+        _prepare_jax(compile_cache)
         from jaxatt.progress import Reporter
         from jaxatt.report.tables import resting_sentence, result_table
         from jaxatt.solving import solve as find
@@ -109,12 +119,17 @@ def solve(
 
 @app.command()
 def compare(
-    case: Case, starts: Starts = None, seed: Seed = None, out: Out = None, quiet: Quiet = False
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
 ) -> None:
     """Run PD, L1, L0 and moving L0, and print the table with the printed values beside."""
     with _clean_exit():
         scenario, folder = _prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
-        _prepare_jax()
+        _prepare_jax(compile_cache)
         from jaxatt.comparison import compare as run
         from jaxatt.progress import Reporter
 
@@ -146,6 +161,7 @@ def certify(
         ),
     ] = None,
     out: Out = None,
+    compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
     """Solve, then try every support with fewer active intervals, and all with as many."""
@@ -156,7 +172,7 @@ def certify(
     }
     with _clean_exit():
         scenario, folder = _prepared(case, changes, out)
-        _prepare_jax()
+        _prepare_jax(compile_cache)
         from jaxatt.certificate import MOST_SUPPORTS
         from jaxatt.certificate import certify as run
         from jaxatt.progress import Reporter
@@ -204,10 +220,10 @@ def main() -> None:
     app()
 
 
-def _prepare_jax() -> None:
+def _prepare_jax(cache: Path | None = None) -> None:
     from jaxatt.runtime import configure
 
-    configure()
+    configure(cache=cache)
 
 
 def _prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:

@@ -31,8 +31,9 @@ class Starts(NamedTuple):
 
 
 @functools.partial(jax.jit, static_argnames=("count", "length"))
-def _normals(key: Array, count: int, length: int) -> Array:
-    """Standard normals (count, length); row i depends on the key and i alone."""
+def _normals(seed: int, count: int, length: int) -> Array:
+    """Standard normals (count, length); row i depends on the seed and i alone."""
+    key = jax.random.key(seed)
     return jax.vmap(lambda i: jax.random.normal(jax.random.fold_in(key, i), (length,)))(
         jnp.arange(count)
     )
@@ -52,7 +53,7 @@ def draw(
     guess itself.
     """
     per_start = intervals * (size + 1) + 2
-    normals = np.asarray(_normals(jax.random.key(seed), count, per_start))
+    normals = np.asarray(_normals(seed, count, per_start))
     pulses = normals[:, 2:].reshape(count, intervals, size + 1)
     direction, height = pulses[..., :size], np.exp(_SPREAD * pulses[..., size:])
     if guess is None:
@@ -60,6 +61,12 @@ def draw(
     else:
         change = np.where(np.arange(count)[:, None, None] == 0, 0.0, direction)
         u = guess[None] * (1.0 + _RELATIVE_NOISE * change)
-    chance = np.asarray([[NormalDist().cdf(z) for z in row] for row in normals[:, :2].tolist()])
-    sign = np.where(chance[:, 0] < long_way_probability, -1.0, 1.0)
-    return Starts(u, sign, chance[:, 1] < 0.5)
+    sign = np.where(normals[:, 0] < _quantile(long_way_probability), -1.0, 1.0)
+    return Starts(u, sign, normals[:, 1] < 0.0)
+
+
+def _quantile(probability: float) -> float:
+    """What a standard normal stays below with this probability."""
+    if not 0.0 < probability < 1.0:
+        return np.inf if probability >= 1.0 else -np.inf
+    return NormalDist().inv_cdf(probability)

@@ -46,7 +46,7 @@ class Reweighting:
     deciding: int = 14
     smoothing: float = 0.1
     factor: float = 0.587
-    settling: int = 3
+    settling: int = 2
     settled_smoothing: float = 1e-3
 
 

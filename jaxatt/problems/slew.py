@@ -86,7 +86,8 @@ def fly_nodes(
     """Roll-out of scaled controls: q_ib and omega_ib at the last node and at 1 to N, (N, 7)."""
     start = tuple(p.start[i] for i in range(7))
     momentum = tuple(p.momentum[i] for i in range(3))
-    torque = u @ p.to_body.T
+    # Not a product of matrices: elementwise, the batch axis stays where `vmap` has put it.
+    torque = sum(u[:, c, None] * p.to_body[None, :, c] for c in range(u.shape[1]))
     return momentum_model.rollout(start, momentum, torque, p.table, p.body, form.disturbed)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -60,6 +61,11 @@ def padded_chunks(batch: Any, rows: int = CHUNK) -> Iterator[tuple[Any, int]]:
         yield chunk, size
 
 
+@functools.cache
+def _pool(count: int) -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(count, thread_name_prefix="jaxatt")
+
+
 _compiled: set[Hashable] = set()
 
 
@@ -99,7 +105,6 @@ def in_chunks(
     if len(rest) == 1:
         collect(one(rest[0]), rest[0][1])
     elif rest:
-        with ThreadPoolExecutor(workers()) as pool:
-            for found, part in zip(pool.map(one, rest), rest, strict=True):
-                collect(found, part[1])
+        for found, part in zip(_pool(workers()).map(one, rest), rest, strict=True):
+            collect(found, part[1])
     return jax.tree.map(lambda *leaves: np.concatenate(leaves), *gathered)

@@ -77,25 +77,27 @@ def test_stages_fly_as_the_roll_out_does(name, form, speed):
     assert (np.abs(np.asarray(found - exact)) / scale).max() < 2e-2
 
 
-def lanes_of(task, u, free, settings):
-    """Controls, residuals and polished solutions of lanes u (N, b, S), batch axis last."""
-    loose = sparse_stages(task.system, task.size, task.shared, limited=False)
-    whole = sparse_stages(task.system, task.size, task.shared)
-    limits = task.system.limits(task.arguments.plant)
+@functools.cache
+def solver(system, size):
+    """Reweighting, then polishing, of lanes (N, b, S), batch axis last."""
+    loose = sparse_stages(system, size, True, limited=False)
+    whole = sparse_stages(system, size, True)
 
     @jax.jit
-    def run(u, args):
+    def run(u, count, effort, settings):
         def one(u):
-            root = sparsify_stages(loose, limits, u, free, args.weight, task.shared, args, settings)
-            spend = replace(effort_arguments(task), free=root.support)
-            return root, solve_stages(whole, root.u, spend, POLISH)
+            limits = system.limits(count.plant)
+            root = sparsify_stages(
+                loose, limits, u, count.free, count.weight, True, count, settings
+            )
+            return root, solve_stages(whole, root.u, replace(effort, free=root.support), POLISH)
 
         return jax.vmap(one, in_axes=-1, out_axes=-1)(u)
 
-    return run(u, task.arguments)
+    return run
 
 
-@pytest.mark.parametrize("attitude", [(180.0, 0.0, 0.0), (0.01, 0.0, 0.0)], ids=["half", "tiny"])
+@pytest.mark.parametrize("attitude", [(180.0, 0.0, 0.0), (1.0, 0.0, 0.0)], ids=["half", "small"])
 def test_slews_of_any_size_arrive(attitude):
     task = slew(attitude=attitude)
     rng = np.random.default_rng(3)
@@ -106,7 +108,9 @@ def test_slews_of_any_size_arrive(attitude):
     )
     u[..., 3] = np.nan
     settings = StagedReweighting(Reweighting())
-    root, solution = lanes_of(task, jnp.asarray(u), task.arguments.free, settings)
+    root, solution = solver(task.system, task.size)(
+        jnp.asarray(u), task.arguments, effort_arguments(task), settings
+    )
     controls = task.to_controls(np.moveaxis(np.asarray(solution.x), -1, 0)[:3])
     assert task.verify(controls)[0].reached.sum() >= 2
     assert (np.asarray(root.residual)[:3] < 1e-5).sum() >= 2

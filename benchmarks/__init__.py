@@ -1,0 +1,1 @@
+"""Benchmarks: `python -m benchmarks`; needs `pip install ".[benchmark]"`."""

@@ -1,0 +1,107 @@
+"""The package's own side: roll-outs, derivatives, searches and certificates, timed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from benchmarks.cases import BEST_KNOWN, task_of
+from benchmarks.peak import operations
+from benchmarks.timing import timed
+from benchmarks.usefulness import reaching, useful
+from jaxatt.multistart.enumeration import classes_up_to, enumerate_class
+from jaxatt.multistart.polish import Method, decide
+from jaxatt.multistart.starts import draw
+from jaxatt.problems.task import Task
+from jaxatt.simulation.chunks import chunk_for, in_chunks
+
+
+@dataclass(frozen=True)
+class Throughput:
+    """One measurement.
+
+    batch : starts in one call.  compile_s : [s].  run_s : [s] median of a call.
+    per_second : starts a second.  useful_share : of the starts; None where it means nothing.
+    peak_share : of the machine's fused peak; None where operations were not counted.
+    """
+
+    what: str
+    batch: int
+    compile_s: float
+    run_s: float
+    per_second: float
+    useful_share: float | None = None
+    peak_share: float | None = None
+
+
+def rollouts(batch: int, repeats: int, peak: float) -> list[Throughput]:
+    """Roll-outs of 50 intervals, and the terminal rows' exact Jacobian, on all cores."""
+    task = task_of("hypso1-90-45-15")
+    plant, rows = task.arguments.plant, chunk_for(batch)
+
+    def one(u: jax.Array) -> jax.Array:
+        return task.system.rows(u, plant)
+
+    forward = jax.jit(lambda u: jax.vmap(one, in_axes=-1, out_axes=-1)(jnp.moveaxis(u, 0, -1)).T)
+    gradient = jax.jit(
+        lambda u: jax.vmap(jax.jacrev(one), in_axes=-1, out_axes=0)(jnp.moveaxis(u, 0, -1))
+    )
+    count = operations(one, jnp.zeros((task.intervals, task.size)))
+    rng = np.random.default_rng(0)
+    u = 0.01 * rng.normal(size=(batch, task.intervals, task.size))
+    found = []
+    for what, run, work in (("roll-outs", forward, count), ("Jacobians", gradient, None)):
+        time = timed(lambda _, run=run, what=what: in_chunks(run, u, rows, key=what), repeats)
+        rate = batch / time.run_s
+        share = None if work is None else rate * work / peak
+        found.append(Throughput(what, batch, time.compile_s, time.run_s, rate, peak_share=share))
+    return found
+
+
+def searches(case: str, batch: int, repeats: int, inner: str = "auto") -> Throughput:
+    """Random starts to settled controls: supports decided, frozen and settled.
+
+    Every repetition has starts of its own, and their drawing counts.
+    """
+    task = task_of(case)
+    rows = chunk_for(batch)
+    method = Method("l0", "riccati" if inner == "riccati" else "gauss-newton", True, rows)
+
+    def run(index: int) -> np.ndarray:
+        starts = draw(index, batch, task.intervals, task.size, task.long_way_probability())
+        u, supports = decide(task, starts, method)
+        return task.to_controls(u * supports)
+
+    time = timed(run, repeats)
+    share = float(np.mean([_useful(task, run(index), case) for index in range(3)]))
+    name = "search" if inner == "auto" else f"search, {inner}"
+    return Throughput(
+        f"{name}, {case}", batch, time.compile_s, time.run_s, batch / time.run_s, share
+    )
+
+
+def _useful(task: Task, controls: np.ndarray, case: str) -> float:
+    return float(useful(task, controls, BEST_KNOWN[case]).mean())
+
+
+def reach_share(case: str, batch: int) -> float:
+    """Share of starts that reach, with however many intervals."""
+    task = task_of(case)
+    starts = draw(0, batch, task.intervals, task.size, task.long_way_probability())
+    u, supports = decide(task, starts, Method("l0", rows=chunk_for(batch)))
+    return float(reaching(task, task.to_controls(u * supports)).mean())
+
+
+def certificates(case: str, repeats: int) -> dict[str, float]:
+    """Seconds for all pairs of intervals, each way round, and how many of them reach."""
+    task = task_of(case)
+    pairs = next(kind for kind in classes_up_to(task, 2.0) if kind.size == 2)
+    found: dict[str, float] = {"pairs": pairs.number}
+    for name, sign in (("short", 1.0), ("long", -1.0)):
+        time = timed(lambda _, sign=sign: enumerate_class(task, pairs, sign, Method("l0")), repeats)
+        reached = enumerate_class(task, pairs, sign, Method("l0")).reached
+        found |= {f"{name}_s": time.run_s, f"{name}_reach": int(reached.sum())}
+    return found
