@@ -8,25 +8,27 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array
 
 from jaxatt.optimize.dense.functions import Functions
-from jaxatt.optimize.dense.residuals import Box
-from jaxatt.optimize.dense.solver import Ending, solve
-from jaxatt.optimize.dense.start import Draws, draw
-from jaxatt.optimize.dense.state import Limits
-from jaxatt.optimize.inner import DENSE_NAMES
+from jaxatt.optimize.dense.inputs import (
+    Floats,
+    box_of,
+    check_precision,
+    counts_of,
+    inner_of,
+    key_of,
+    limits_of,
+    starts_of,
+)
+from jaxatt.optimize.dense.solver import solve
+from jaxatt.optimize.dense.start import draw
 from jaxatt.optimize.status import Status
 
-Floats = npt.NDArray[np.float64]
 ArrayLike = Any
 
-_MANY_VARIABLES = 300
-_ITERATIONS = {"newton": 500, "gauss-newton": 1000, "lbfgs": 5000, "adam": 50_000}
-_INNER = {"newton": 60, "gauss-newton": 100, "lbfgs": 300, "adam": 3000}
 _RESCUES = 4
 
 
@@ -128,27 +130,16 @@ def minimize(
 
     Raises ValueError where the input does not make sense.
     """
-    if jnp.result_type(float) != jnp.float64:
-        raise ValueError(
-            "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
-            'jax.config.update("jax_enable_x64", True) before the first use of JAX'
-        )
+    check_precision()
     args = args if isinstance(args, tuple) else (args,)
-    begin = _starts_of(x0, starts)
+    begin = starts_of(x0, starts)
     n = begin.shape[1]
-    box = _box(lower, upper, n)
-    if not (np.isreal(tolerance) and 0 < tolerance < np.inf):
-        raise ValueError(f"tolerance = {tolerance!r}: must be a positive number, e.g. 1e-6")
-    chosen = _inner(inner, n)
-    passes = _ITERATIONS[chosen] if max_iterations is None else max_iterations
-    if int(passes) != passes or passes < 1:
-        raise ValueError(f"max_iterations = {max_iterations!r}: must be a whole number, at least 1")
+    box = box_of(lower, upper, n)
+    chosen = inner_of(inner, n)
+    limits = limits_of(tolerance, max_iterations, chosen)
     functions = Functions(objective, equality, inequality)
-    m, p = _counts(functions, begin[0], args)
-    limits = Limits(
-        jnp.asarray(float(tolerance)), jnp.asarray(int(passes)), jnp.asarray(_INNER[chosen])
-    )
-    root = _key(key)
+    m, p = counts_of(functions, begin[0], args)
+    root = key_of(key)
     own = begin.shape[0]
     total = max(own, int(starts))
     ends: list[Any] = []
@@ -158,7 +149,7 @@ def minimize(
         ends.append(
             jax.tree.map(
                 np.asarray,
-                _solve_all(functions, chosen, draw(begin, index, box, root), args, box, limits),
+                _solver()(functions, draw(begin, index, box, root), args, box, limits, chosen),
             )
         )
         status = ends[-1].status
@@ -169,12 +160,18 @@ def minimize(
     return _answer(jax.tree.map(lambda *leaves: np.concatenate(leaves), *ends), m, p)
 
 
-@functools.partial(jax.jit, static_argnames=("functions", "inner"))
-def _solve_all(
-    functions: Functions, inner: str, draws: Draws, args: Any, box: Box, limits: Limits
-) -> Ending:
-    """All starts of `draws`, leading axis S."""
-    return jax.vmap(lambda one: solve(functions, one, args, box, limits, inner))(draws)
+@functools.cache
+def _solver() -> Any:
+    """`solve`, compiled once for every set of functions, shapes and inner minimiser.
+
+    On CPUs XLA's newer emitters for fused loops take twice as long to compile and run no faster.
+    """
+    options: dict[str, bool | str] = {"xla_cpu_use_fusion_emitters": False}
+    try:
+        jax.jit(lambda: 0, compiler_options=options)()
+    except jax.errors.JaxRuntimeError:  # not every version of XLA has that option
+        options = {}
+    return jax.jit(solve, static_argnames=("functions", "inner"), compiler_options=options)
 
 
 def _answer(ends: Any, m: int, p: int) -> Minimum:
@@ -224,95 +221,3 @@ def _best(every: MinimizeStarts) -> int:
     value = np.where(rank <= 2, every.objective, every.max_violation)
     value = np.where(np.isfinite(value), value, np.where(rank == 0, -np.inf, np.inf))
     return int(np.lexsort([value, rank])[0])
-
-
-def _starts_of(x0: ArrayLike, starts: int) -> Floats:
-    try:
-        begin = np.asarray(x0, float)
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"x0 = {x0!r}: must be a vector (n,) of numbers, or (S, n)") from error
-    if begin.ndim not in (1, 2) or begin.size == 0:
-        raise ValueError(
-            f"x0 has shape {begin.shape}: must be a vector (n,), or (S, n) for S starts"
-        )
-    if isinstance(starts, bool) or int(starts) != starts or starts < 1:
-        raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")
-    if begin.ndim == 2 and starts not in (1, len(begin)):
-        raise ValueError(
-            f"starts = {starts}: x0 holds {len(begin)} starts; leave out `starts` or pass one x0"
-        )
-    return np.atleast_2d(begin)
-
-
-def _box(lower: ArrayLike | None, upper: ArrayLike | None, n: int) -> Box:
-    sides = []
-    for name, given, missing in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
-        side = np.asarray(missing if given is None else given, float)
-        if side.ndim > 1 or side.shape not in ((), (1,), (n,)):
-            raise ValueError(f"{name} has shape {side.shape}: must be a scalar or ({n},)")
-        side = np.broadcast_to(side, (n,))
-        if np.isnan(side).any():
-            raise ValueError(f"{name} = {given!r}: holds nan; use -inf or inf for no bound")
-        sides.append(side)
-    crossed = np.flatnonzero(sides[0] > sides[1])
-    if crossed.size:
-        i = crossed[0]
-        raise ValueError(
-            f"lower[{i}] = {sides[0][i]:g} is above upper[{i}] = {sides[1][i]:g}: swap them"
-        )
-    if (sides[0] == np.inf).any() or (sides[1] == -np.inf).any():
-        raise ValueError("lower holds inf or upper -inf: no x is inside; use -inf and inf")
-    return Box(jnp.asarray(sides[0]), jnp.asarray(sides[1]))
-
-
-def _inner(inner: str, n: int) -> str:
-    if inner == "auto":
-        return "newton" if n <= _MANY_VARIABLES else "lbfgs"
-    if inner not in DENSE_NAMES:
-        raise ValueError(
-            f"inner = {inner!r}: unknown; choose one of auto, {', '.join(DENSE_NAMES)}"
-        )
-    return inner
-
-
-def _key(key: Array | None) -> Array:
-    if key is None:
-        return jax.random.key(0)
-    if not (isinstance(key, jax.Array) and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)):
-        raise ValueError(f"key = {key!r}: must be a typed key, e.g. jax.random.key(0)")
-    if key.shape != ():
-        raise ValueError(f"key has shape {key.shape}: must be a single key, e.g. jax.random.key(0)")
-    return key
-
-
-_SHAPES: dict[Any, tuple[int, int]] = {}
-
-
-def _counts(functions: Functions, x: Floats, args: tuple[Any, ...]) -> tuple[int, int]:
-    """Number of equalities and inequalities, after a look at what the functions return."""
-    leaves, tree = jax.tree.flatten(args)
-    what = (functions, x.shape, tree, tuple((np.shape(v), jnp.result_type(v)) for v in leaves))
-    if what not in _SHAPES:
-        counts = []
-        at = jax.eval_shape(lambda: jnp.zeros(x.shape))
-        for name in ("objective", "equality", "inequality"):
-            function = getattr(functions, name)
-            if function is None:
-                if name == "objective":
-                    raise ValueError("objective is None: must be a function of (x, *args)")
-                counts.append(0)
-                continue
-            if not callable(function):
-                raise ValueError(f"{name} = {function!r}: must be a function of (x, *args)")
-            returned = jax.eval_shape(lambda y, a, f=function: jnp.asarray(f(y, *a)), at, args)
-            if jnp.issubdtype(returned.dtype, jnp.complexfloating):
-                raise ValueError(f"{name} returns complex numbers: must be real")
-            most = 0 if name == "objective" else 1
-            if len(returned.shape) > most:
-                allowed = "a scalar" if most == 0 else "a scalar or a vector"
-                raise ValueError(
-                    f"{name} returns an array of shape {returned.shape}: must be {allowed}"
-                )
-            counts.append(int(np.prod(returned.shape)))
-        _SHAPES[what] = (counts[1], counts[2])
-    return _SHAPES[what]

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import jaxatt
+from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.start import draw
 from jaxatt.optimize.status import Status
 
 
@@ -76,7 +78,7 @@ def test_a_start_that_is_not_finite_leaves_the_others_alone():
 
 
 def test_nothing_finite_is_said_so():
-    found = jaxatt.minimize(lambda x: jnp.sum(x) + jnp.nan, [1.0, 2.0])
+    found = solve(args=(jnp.array([jnp.nan, 1.0]),))
     assert found.status is Status.NOT_FINITE
 
 
@@ -99,14 +101,19 @@ def test_draws_depend_on_key_and_index_alone():
     def wave(x):
         return jnp.sum(jnp.sin(3.0 * x) + 0.05 * x**2)
 
-    few = jaxatt.minimize(wave, [1.0, 4.0], starts=3)
-    more = jaxatt.minimize(wave, [1.0, 4.0], starts=5)
+    found = jaxatt.minimize(wave, [1.0, 4.0], starts=5)
     again = jaxatt.minimize(wave, [1.0, 4.0], starts=5, key=jax.random.key(0))
     other = jaxatt.minimize(wave, [1.0, 4.0], starts=5, key=jax.random.key(1))
-    np.testing.assert_allclose(few.starts.x, more.starts.x[:3], atol=1e-6)
-    np.testing.assert_array_equal(again.starts.x, more.starts.x)
-    assert (np.abs(other.starts.x - more.starts.x).max(axis=1) > 1e-3).any()
-    assert more.objective == more.starts.objective.min()
+    np.testing.assert_array_equal(again.starts.x, found.starts.x)
+    np.testing.assert_array_equal(other.starts.x[0], found.starts.x[0])
+    assert (np.abs(other.starts.x - found.starts.x).max(axis=1) > 1e-3).any()
+    assert found.objective == found.starts.objective.min()
+    own = jnp.array([[1.0, 4.0]])
+    box = Box(jnp.array([-jnp.inf, -1.0]), jnp.array([jnp.inf, 5.0]))
+    few, more = (draw(own, jnp.arange(count), box, jax.random.key(0)).x0 for count in (3, 5))
+    np.testing.assert_array_equal(few, more[:3])
+    np.testing.assert_array_equal(few[0], own[0])
+    assert len(np.unique(more[:, 0])) == 5
 
 
 def quadratic(x):

@@ -1,7 +1,11 @@
 """Published programmes: the printed optimum is found and no claim of convergence is false.
 
 The residual of the first-order conditions is recomputed here, by other means than the solver's.
+Nearly all of the time goes into compiling, so that only a part of the collection is solved here,
+the hard families in full; `benchmarks/nonlinear_programs.py` solves all of it.
 """
+
+from dataclasses import replace
 
 import jax
 import numpy as np
@@ -21,7 +25,20 @@ QUICK = (
     "Falling line", "Unbounded LP",
 )  # fmt: skip
 
-NEEDS_STARTS = {"HS2", "HS20", "HS55", "Freudenstein and Roth"}
+MORE = (
+    "HS1", "HS7", "HS19", "HS25", "HS26", "HS33", "HS40", "HS46", "HS56", "HS61", "HS62", "HS64",
+    "HS71", "HS72", "HS74", "HS78", "HS83", "HS93", "HS100", "HS104", "HS106", "HS110", "HS112",
+    "HS113", "Powell badly scaled", "Powell singular", "Jennrich and Sampson", "Beale",
+    # Complementarity, multipliers that do not exist or are not unique, vertices
+    "kth1", "kth3", "ralph2", "bard1", "stackelberg1", "gauvin", "No multiplier, equality",
+    "Touching circles", "Cusp", "More rows than variables", "WB", "Held variable",
+    "Square root at its end", "Beale's cycling LP", "Klee and Minty",
+    # Infeasible, unbounded
+    "Disc and half plane", "isolated", "nactive", "unique", "Out of the box",
+    "Falling along a parabola", "Cubic", "Concave",
+)  # fmt: skip
+
+NEEDS_STARTS = ("HS2", "HS20", "HS55")
 """The standard start lies in the basin of another local minimum."""
 
 MISSED = {"HS13", "Cusp", "Falling along a parabola"}
@@ -84,25 +101,47 @@ def check_all(board, starts=1):
     assert not failures, "\n".join(failures)
 
 
-def test_one_of_every_family():
-    check_all(Switchboard([q for q in PROGRAMS if q.name in QUICK]))
+def named(names):
+    programs = {program.name: program for program in PROGRAMS}
+    return [programs[name] for name in names]
+
+
+@pytest.fixture(scope="module")
+def quick():
+    return Switchboard(named(QUICK))
+
+
+def test_one_of_every_family(quick):
+    check_all(quick)
+
+
+def test_a_false_answer_is_noticed(quick):
+    index = QUICK.index("HS24")
+    program, counts = quick.programs[index], quick.counts[index]
+    found = quick.solve(jaxatt.minimize, index)
+    multipliers = found.multipliers
+    lies = [
+        replace(found, x=found.x + 1e-4),
+        replace(found, objective=found.objective + 1e-3),
+        replace(found, status=Status.FEASIBLE),
+        replace(found, multipliers=replace(multipliers, inequality=0 * multipliers.inequality)),
+    ]
+    for lie in lies:
+        with pytest.raises(AssertionError):
+            check(program, counts, lie)
 
 
 def test_other_starts_find_the_better_minimum():
-    check_all(Switchboard([q for q in PROGRAMS if q.name in NEEDS_STARTS]), starts=8)
-
-
-def from_one_start(programs):
-    return by_size([q for q in programs if q.name not in NEEDS_STARTS])
+    check_all(Switchboard(named(NEEDS_STARTS)), starts=8)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("size", [0, 1, 2])
-def test_the_whole_collection(size):
-    check_all(from_one_start(PROGRAMS)[size])
+def test_a_part_of_the_collection(size):
+    check_all(by_size(named(MORE))[size])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("size", [0, 1, 2])
-def test_programmes_that_nothing_was_tuned_on(size):
-    check_all(from_one_start(HELD_OUT)[size])
+def test_programmes_that_nothing_was_tuned_on():
+    # "Freudenstein and Roth" is known for the local minimum at its start
+    check_all(Switchboard([q for q in HELD_OUT if q.name != "Freudenstein and Roth"]))

@@ -14,6 +14,7 @@ from jax import Array
 from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
 from jaxatt.optimize.reweighting import Reweighting, SparseRoot, sparsify
+from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off import (
     SparseArguments,
     SparseSystem,
@@ -69,7 +70,14 @@ def placed(form: Form, lane: Lanes, arguments: SparseArguments) -> SparseArgumen
     )
 
 
-@functools.partial(jax.jit, static_argnames=("form",))
+_EARLY_ITERATIONS = 16
+"""Most lanes of a polish have ended by then."""
+
+_QUICKLY = {"xla_llvm_disable_expensive_passes": True}
+"""Compiler options for a large program that runs for less time than it compiles."""
+
+
+@functools.partial(jax.jit, static_argnames=("form",), compiler_options=_QUICKLY)
 def _solve_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:
@@ -122,10 +130,31 @@ def solve_lanes(
     progress: Progress | None = None,
     rows: int = CHUNK,
 ) -> Solution:
-    """Solve all lanes by the augmented Lagrangian and gather the results on the host."""
+    """Solve all lanes by the augmented Lagrangian and gather the results on the host.
+
+    A chunk runs until its slowest lane ends.  So lanes that take long are retired after a few
+    iterations and solved again among themselves, from their start, which changes no result.
+    """
     run = functools.partial(_solve_chunk, form)
     key = ("solve", form, lanes.u.shape[1:])
-    return in_chunks(lambda chunk: run(chunk, arguments, schedule), lanes, rows, progress, key)
+
+    def solve_with(limit: int, some: Lanes, told: Progress | None) -> Solution:
+        short = replace(schedule, max_iterations=limit)
+        return in_chunks(lambda chunk: run(chunk, arguments, short), some, rows, told, key)
+
+    limit = min(_EARLY_ITERATIONS, schedule.max_iterations)
+    found = solve_with(limit, lanes, progress)
+    unfinished = (found.status == Status.FEASIBLE) | (found.status == Status.ITERATION_LIMIT)
+    slow = np.flatnonzero(unfinished & (found.iterations >= limit))
+    if limit == schedule.max_iterations or not len(slow):
+        return found
+    late = solve_with(schedule.max_iterations, jax.tree.map(lambda leaf: leaf[slow], lanes), None)
+
+    def merged(early: Floats, later: Floats) -> Floats:
+        early[slow] = later
+        return early
+
+    return jax.tree.map(merged, found, late)
 
 
 def sparsify_lanes(

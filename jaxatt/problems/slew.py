@@ -87,7 +87,9 @@ def fly_nodes(
     start = tuple(p.start[i] for i in range(7))
     momentum = tuple(p.momentum[i] for i in range(3))
     # Not a product of matrices: elementwise, the batch axis stays where `vmap` has put it.
-    torque = sum(u[:, c, None] * p.to_body[None, :, c] for c in range(u.shape[1]))
+    torque = u[:, :1] * p.to_body[None, :, 0]
+    for c in range(1, u.shape[1]):
+        torque = torque + u[:, c, None] * p.to_body[None, :, c]
     return momentum_model.rollout(start, momentum, torque, p.table, p.body, form.disturbed)
 
 

@@ -81,6 +81,9 @@ def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
     return in_chunks(lambda chunk: _compare(q_ref, chunk), q, key="compare")
 
 
+_turn = jax.jit(errors.rotation_vector)
+
+
 @jax.jit
 def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
     """Angle [rad] and smoothed metric g (5.2) between attitudes."""
@@ -320,7 +323,7 @@ class SlewTask(Task):
         Half where both ask for the same, as for half a turn from rest; falling with the fourth
         power of their ratio.
         """
-        turn = np.asarray(errors.rotation_vector(self.start.q_ob, self.aim.q_ob))
+        turn = np.asarray(_turn(self.start.q_ob, self.aim.q_ob))
         angle = float(np.linalg.norm(turn))
         if angle == 0.0:
             return 0.0

@@ -1,13 +1,17 @@
 """Lanes of a batch do not know of each other, and candidates are ordered as promised."""
 
+import functools
+from dataclasses import replace
+
 import jax
 import numpy as np
 import pytest
 
 from jaxatt import scenarios
+from jaxatt.multistart import batch
 from jaxatt.multistart.batch import Form, Lanes, solve_lanes
 from jaxatt.multistart.candidates import Candidates, better, evaluate, join, support_of
-from jaxatt.multistart.polish import HOMOTOPY
+from jaxatt.multistart.polish import HOMOTOPY, POLISH
 from jaxatt.multistart.search import search
 from jaxatt.multistart.starts import draw
 from jaxatt.optimize.status import Status
@@ -67,6 +71,23 @@ def test_a_lane_of_nans_leaves_the_others_alone(task, lanes, solved):
     assert candidates.status[4] == Status.NOT_FINITE
     assert not candidates.verdict.reached[4]
     assert np.isfinite(candidates.controls).all()
+
+
+def test_retiring_slow_lanes_changes_no_result(task, lanes, monkeypatch):
+    form = Form(task.system, task.shared)
+    supports = np.zeros_like(lanes.free)
+    for row in supports:
+        row[np.random.default_rng(int(row.shape[0])).permutation(50)[:3]] = 1.0
+    frozen = lanes._replace(u=0.3 * lanes.u * supports, free=supports)
+    solve = functools.partial(
+        solve_lanes, form, frozen, task.arguments, replace(POLISH, max_iterations=40)
+    )
+    retired = solve()
+    monkeypatch.setattr(batch, "_EARLY_ITERATIONS", 10**6)
+    together = solve()
+    assert (together.iterations > 16).any()
+    for a, b in zip(jax.tree.leaves(retired), jax.tree.leaves(together), strict=True):
+        np.testing.assert_array_equal(a, b)
 
 
 def test_progress_counts_every_lane_once(task, lanes):

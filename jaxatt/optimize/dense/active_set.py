@@ -19,7 +19,7 @@ from jax import Array, lax
 from jaxatt.optimize.dense.functions import Local
 from jaxatt.optimize.dense.residuals import Box
 
-_ROUNDS = 8
+_ROUNDS = 9
 
 
 class Step(NamedTuple):
@@ -67,23 +67,23 @@ def newton_step(
         answer = jnp.linalg.solve(jnp.concatenate([top, bottom]), right)
         return answer[:n], answer[n:]
 
-    def again(_: int, sets: tuple[Array, Array]) -> tuple[Array, Array]:
-        binds, side = sets
+    def again(_: int, carried: tuple[Array, ...]) -> tuple[Array, ...]:
+        binds, side = carried[:2]
         d, y = solve(binds, side)
         pull = hessian @ d + slope + at.jacobian.T @ y
         trial = multipliers + (at.rows + at.jacobian @ d) / mu
         binds = equal | jnp.where(binds, y < 0, trial < 0)
         stays = ((side < 0) & (pull > 0)) | ((side > 0) & (pull < 0))
         new = jnp.where(d < low, -1, jnp.where(d > high, 1, 0))
-        fixed = box.lower >= box.upper
-        return binds, jnp.where(fixed, -1, jnp.where(side != 0, jnp.where(stays, side, 0), new))
+        side = jnp.where(side != 0, jnp.where(stays, side, 0), new)
+        return binds, jnp.where(box.lower >= box.upper, -1, side), d, y
 
     pull = slope + at.jacobian.T @ multipliers
     side = jnp.where((low >= 0) & (pull > 0), -1, jnp.where((high <= 0) & (pull < 0), 1, 0))
     side = jnp.where(box.lower >= box.upper, -1, side)
     binds = equal | (multipliers + at.rows / mu < 0)
-    binds, side = lax.fori_loop(0, _ROUNDS, again, (binds, side))
-    d, y = solve(binds, side)
+    none = jnp.zeros_like(x), jnp.zeros_like(multipliers)
+    *_, d, y = lax.fori_loop(0, _ROUNDS, again, (binds, side, *none))
     return Step(box.project(x + d), jnp.where(equal, y, jnp.minimum(y, 0.0)))
 
 

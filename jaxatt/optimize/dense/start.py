@@ -17,11 +17,12 @@ _LARGEST_UNIT = 1e6
 
 
 class Beginning(NamedTuple):
-    """x : (n,), inside the box.  unit : (n,) of x, powers of two, so that nothing is rounded.
-    scale : (1 + q,) of the rows.  finite : () whether it is.
+    """x : (n,), inside the box.  rows : (1 + q,) there, not scaled.  unit : (n,) of x, powers of
+    two, so that nothing is rounded.  scale : (1 + q,) of the rows.  finite : () whether it is.
     """
 
     x: Array
+    rows: Array
     unit: Array
     scale: Array
     finite: Array
@@ -61,7 +62,7 @@ def begin(functions: Functions, draws: Draws, args: Any, box: Box) -> Beginning:
     size = jnp.where(finite[first], jnp.clip(jnp.abs(x), 1.0, _LARGEST_UNIT), 1.0)
     unit = 2.0 ** jnp.floor(jnp.log2(size))
     scale = scale_of(derivatives[first] * unit[None, :])
-    return Beginning(x, unit, scale, finite[first])
+    return Beginning(x, values[first], unit, scale, finite[first])
 
 
 @jax.jit

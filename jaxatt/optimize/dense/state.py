@@ -11,6 +11,10 @@ from jax import Array
 
 from jaxatt.optimize.dense.residuals import Residuals
 
+RUNNING = -1
+"""Status of a start under way."""
+
+FIRST_GOAL = 1e-2
 _VIOLATION_COSTS = 10.0
 
 
@@ -103,4 +107,4 @@ class State(NamedTuple):
 
 def choose(condition: Array, yes: Any, no: Any) -> Any:
     """Leafwise `where` with a scalar condition."""
-    return jax.tree.map(lambda a, b: jnp.where(condition, a, b), yes, no)
+    return jax.tree.map(lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no)

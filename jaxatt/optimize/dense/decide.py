@@ -1,0 +1,169 @@
+"""Second part of a pass: has the inner minimisation ended, and what is to be minimised next."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.dense.look import Look
+from jaxatt.optimize.dense.merit import Merit
+from jaxatt.optimize.dense.residuals import largest, violated
+from jaxatt.optimize.dense.state import Phase, State
+from jaxatt.optimize.dense.task import Task
+
+_NEWTON_SHRINKS = 0.9
+_LEAST_GOAL = 1e-11
+_SHRINKS_WELL = 0.25
+_GROWTH = 10.0
+_LARGEST_PENALTY = 1e15
+_LARGEST_MULTIPLIER = 1e10
+_MOST_STALLS = 4
+_MOST_RESTORATIONS = 3
+_MOST_RESETS = 12
+_PROBING_PENALTY = 1e7
+
+
+class _Outer(NamedTuple):
+    """The inner minimisation of the augmented Lagrangian has `ended`, and what follows.
+
+    far : (), largest violation.  hopeless : () bool, it does not shrink.
+    """
+
+    ended: Array
+    far: Array
+    multipliers: Array
+    penalty: Array
+    goal: Array
+    stalls: Array
+    hopeless: Array
+
+
+class _Restoration(NamedTuple):
+    """() bool each.  restored : carry on with the programme."""
+
+    restored: Array
+    infeasible: Array
+    gave_up: Array
+
+
+class Decision(NamedTuple):
+    """merit : what the rest of this pass lowers; all others () but multipliers (q,).
+
+    multipliers : those of the augmented Lagrangian.  newton : a step on the first-order
+    conditions comes next.  failed : the one on trial was no good.  turned : a restoration begins
+    or ends.  runaway : the augmented Lagrangian fell without limit.  near : constraints hold for
+    the size of x.
+    """
+
+    merit: Merit
+    multipliers: Array
+    penalty: Array
+    goal: Array
+    stalls: Array
+    phase: Array
+    ended: Array
+    far: Array
+    size: Array
+    near: Array
+    newton: Array
+    failed: Array
+    turned: Array
+    hopeless: Array
+    infeasible: Array
+    gave_up: Array
+    runaway: Array
+
+
+def decide(task: Task, s: State, seen: Look) -> Decision:
+    """What the point that was `seen` means for the next step."""
+    gradient = seen.merit.gradient(seen.at, seen.estimate)
+    reach = largest(s.x - task.box.project(s.x - gradient))
+    most = jnp.where(seen.restoring, 5 * task.limits.max_inner, task.limits.max_inner)
+    exhausted = s.stuck | (s.inner >= most)
+    outer = _update(task, s, seen, reach, exhausted)
+    restoration = _restoration(task, s, seen, reach, exhausted)
+    far, ended = outer.far, outer.ended
+    hopeless = outer.hopeless & (s.restorations < _MOST_RESTORATIONS)
+
+    # Where the augmented Lagrangian, not the programme, has no minimum: more penalty.
+    size = largest(s.x)
+    near = far <= task.limits.tolerance * jnp.maximum(1.0, size)
+    runaway = (far > 1e4 * jnp.maximum(1.0, s.violation)) | ((size > 1e12) & ~near)
+    descending = s.phase == Phase.DESCENT
+    runaway = runaway & seen.finite & descending & ~near & (s.resets < _MOST_RESETS)
+
+    kept = seen.finite & seen.trying & (seen.total <= _NEWTON_SHRINKS * s.anchor.total)
+    newton = ((ended & ~hopeless) | kept) & ~seen.finishing
+    if task.first_order is not None:
+        newton = newton & False
+    phase = jnp.where(newton, Phase.NEWTON, jnp.where(seen.restoring, s.phase, Phase.DESCENT))
+    phase = jnp.where(hopeless, Phase.RESTORATION, phase)
+    phase = jnp.where(restoration.restored, Phase.DESCENT, phase)
+    turned = hopeless | restoration.restored
+    multipliers = jnp.where(turned, 0.0, outer.multipliers)
+    more = jnp.minimum(100.0 * outer.penalty, _LARGEST_PENALTY)
+    penalty = jnp.where(runaway, more, outer.penalty)
+
+    weight = jnp.where(phase == Phase.RESTORATION, 0.0, 1.0)
+    used = jnp.where(phase == Phase.RESTORATION, 1.0, penalty)
+    used = jnp.where(seen.finishing, jnp.maximum(used, _PROBING_PENALTY), used)
+    held = jnp.where(seen.finishing, seen.here.multipliers, multipliers)
+    return Decision(
+        merit=Merit(weight, held, used, task.equal),
+        multipliers=multipliers,
+        penalty=penalty,
+        goal=outer.goal,
+        stalls=outer.stalls,
+        phase=phase,
+        ended=ended,
+        far=far,
+        size=size,
+        near=near,
+        newton=newton,
+        failed=seen.trying & ~kept & ~seen.finishing,
+        turned=turned,
+        hopeless=hopeless,
+        infeasible=restoration.infeasible,
+        gave_up=restoration.gave_up,
+        runaway=runaway,
+    )
+
+
+def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Outer:
+    """Where the inner minimisation has ended: new multipliers, penalty and goal."""
+    error, tolerance = seen.here.residuals, task.limits.tolerance
+    flat = (s.inner > 0) & (reach <= s.goal) & ~s.curved
+    descending = s.phase == Phase.DESCENT
+    ended = seen.finite & descending & (flat | exhausted) & ~seen.finishing
+    far = largest(violated(seen.at.rows, task.equal))
+    well = (seen.met & (error.product <= tolerance)) | (far <= _SHRINKS_WELL * s.violation)
+    safe = jnp.clip(seen.estimate, -_LARGEST_MULTIPLIER, _LARGEST_MULTIPLIER)
+    steeper = jnp.where(s.stalls >= _MOST_STALLS - 1, _GROWTH**2, _GROWTH)
+    growth = jnp.where(ended & ~well, steeper, 1.0)
+    stalls = jnp.where(ended, jnp.where(well, 0, s.stalls + 1), s.stalls)
+    goal = jnp.maximum(_LEAST_GOAL, 0.1 * jnp.minimum(s.goal, 10.0 * reach))
+    return _Outer(
+        ended=ended,
+        far=far,
+        multipliers=jnp.where(ended, safe, s.multipliers),
+        penalty=jnp.minimum(s.penalty * growth, _LARGEST_PENALTY),
+        goal=jnp.where(ended, goal, s.goal),
+        stalls=stalls,
+        hopeless=ended & ~seen.met & (stalls >= _MOST_STALLS) & (far > 0.5 * s.violation),
+    )
+
+
+def _restoration(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Restoration:
+    """Where a restoration has ended: carry on, or locally infeasible."""
+    violation = seen.here.residuals.violation
+    amiss = jnp.linalg.norm(violated(seen.at.rows, task.equal))
+    spread = jnp.maximum(1.0, largest(seen.at.jacobian))
+    level = reach <= 1e-9 * amiss * spread
+    at_it = seen.finite & seen.restoring
+    restored = at_it & (violation <= 0.1 * task.limits.tolerance)
+    over = at_it & ~restored & ((level & (s.inner > 0) & ~s.curved) | exhausted)
+    infeasible = over & ~seen.met & (reach <= 1e-5 * amiss * spread)
+    gave_up = over & ~seen.met & ~infeasible & (s.restorations >= _MOST_RESTORATIONS)
+    return _Restoration(restored | (over & ~infeasible & ~gave_up), infeasible, gave_up)

@@ -1,0 +1,139 @@
+"""What `minimize` is given, checked and brought into shape; every complaint says what to do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+
+from jaxatt.optimize.dense.functions import Functions
+from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.state import Limits
+from jaxatt.optimize.inner import DENSE_NAMES
+
+Floats = npt.NDArray[np.float64]
+
+_MANY_VARIABLES = 300
+_ITERATIONS = {"newton": 500, "gauss-newton": 1000, "lbfgs": 5000, "adam": 50_000}
+_INNER = {"newton": 60, "gauss-newton": 100, "lbfgs": 300, "adam": 3000}
+
+
+def check_precision() -> None:
+    """Single precision cannot meet the tolerances."""
+    if jnp.result_type(float) != jnp.float64:
+        raise ValueError(
+            "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
+            'jax.config.update("jax_enable_x64", True) before the first use of JAX'
+        )
+
+
+def limits_of(tolerance: float, max_iterations: int | None, inner: str) -> Limits:
+    """Tolerance and passes, by default as the inner minimiser needs them."""
+    if not (np.isreal(tolerance) and 0 < tolerance < np.inf):
+        raise ValueError(f"tolerance = {tolerance!r}: must be a positive number, e.g. 1e-6")
+    passes = _ITERATIONS[inner] if max_iterations is None else max_iterations
+    if int(passes) != passes or passes < 1:
+        raise ValueError(f"max_iterations = {max_iterations!r}: must be a whole number, at least 1")
+    return Limits(
+        jnp.asarray(float(tolerance)), jnp.asarray(int(passes)), jnp.asarray(_INNER[inner])
+    )
+
+
+def starts_of(x0: Any, starts: int) -> Floats:
+    """The user's own starts, (k, n)."""
+    try:
+        begin = np.asarray(x0, float)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"x0 = {x0!r}: must be a vector (n,) of numbers, or (S, n)") from error
+    if begin.ndim not in (1, 2) or begin.size == 0:
+        raise ValueError(
+            f"x0 has shape {begin.shape}: must be a vector (n,), or (S, n) for S starts"
+        )
+    if isinstance(starts, bool) or int(starts) != starts or starts < 1:
+        raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")
+    if begin.ndim == 2 and starts not in (1, len(begin)):
+        raise ValueError(
+            f"starts = {starts}: x0 holds {len(begin)} starts; leave out `starts` or pass one x0"
+        )
+    return np.atleast_2d(begin)
+
+
+def box_of(lower: Any, upper: Any, n: int) -> Box:
+    """Bounds, (n,) each."""
+    sides = []
+    for name, given, missing in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
+        side = np.asarray(missing if given is None else given, float)
+        if side.ndim > 1 or side.shape not in ((), (1,), (n,)):
+            raise ValueError(f"{name} has shape {side.shape}: must be a scalar or ({n},)")
+        side = np.broadcast_to(side, (n,))
+        if np.isnan(side).any():
+            raise ValueError(f"{name} = {given!r}: holds nan; use -inf or inf for no bound")
+        sides.append(side)
+    crossed = np.flatnonzero(sides[0] > sides[1])
+    if crossed.size:
+        i = crossed[0]
+        raise ValueError(
+            f"lower[{i}] = {sides[0][i]:g} is above upper[{i}] = {sides[1][i]:g}: swap them"
+        )
+    if (sides[0] == np.inf).any() or (sides[1] == -np.inf).any():
+        raise ValueError("lower holds inf or upper -inf: no x is inside; use -inf and inf")
+    return Box(jnp.asarray(sides[0]), jnp.asarray(sides[1]))
+
+
+def inner_of(inner: str, n: int) -> str:
+    """The inner minimiser's name."""
+    if inner == "auto":
+        return "newton" if n <= _MANY_VARIABLES else "lbfgs"
+    if inner not in DENSE_NAMES:
+        raise ValueError(
+            f"inner = {inner!r}: unknown; choose one of auto, {', '.join(DENSE_NAMES)}"
+        )
+    return inner
+
+
+def key_of(key: Array | None) -> Array:
+    """The key of the draws."""
+    if key is None:
+        return jax.random.key(0)
+    if not (isinstance(key, jax.Array) and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)):
+        raise ValueError(f"key = {key!r}: must be a typed key, e.g. jax.random.key(0)")
+    if key.shape != ():
+        raise ValueError(f"key has shape {key.shape}: must be a single key, e.g. jax.random.key(0)")
+    return key
+
+
+_SHAPES: dict[Any, tuple[int, int]] = {}
+
+
+def counts_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> tuple[int, int]:
+    """Number of equalities and inequalities, after a look at what the functions return."""
+    leaves, tree = jax.tree.flatten(args)
+    what = (functions, x.shape, tree, tuple((np.shape(v), jnp.result_type(v)) for v in leaves))
+    if what not in _SHAPES:
+        counts = []
+        at = jax.eval_shape(lambda: jnp.zeros(x.shape))
+        for name in ("objective", "equality", "inequality"):
+            function = getattr(functions, name)
+            if function is None:
+                if name == "objective":
+                    raise ValueError("objective is None: must be a function of (x, *args)")
+                counts.append(0)
+                continue
+            if not callable(function):
+                raise ValueError(f"{name} = {function!r}: must be a function of (x, *args)")
+            returned = jax.eval_shape(lambda y, a, f=function: jnp.asarray(f(y, *a)), at, args)
+            if jnp.issubdtype(returned.dtype, jnp.complexfloating):
+                raise ValueError(f"{name} returns complex numbers: must be real")
+            most = 0 if name == "objective" else 1
+            if len(returned.shape) > most:
+                allowed = "a scalar" if most == 0 else "a scalar or a vector"
+                raise ValueError(
+                    f"{name} returns an array of shape {returned.shape}: must be {allowed}"
+                )
+            counts.append(int(np.prod(returned.shape)))
+        _SHAPES[what] = (counts[1], counts[2])
+    return _SHAPES[what]

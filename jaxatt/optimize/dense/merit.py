@@ -1,0 +1,37 @@
+"""What the inner minimisation lowers: the augmented Lagrangian, or the violation by itself."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.dense.functions import Local
+from jaxatt.optimize.penalty import pushed
+
+
+class Merit(NamedTuple):
+    """Augmented Lagrangian with weight () of the objective, multipliers (q,) and penalty ().
+
+    equal : (q,) bool.  Weight 0, multipliers 0 and penalty 1 make it half the squared violation.
+    """
+
+    weight: Array
+    multipliers: Array
+    penalty: Array
+    equal: Array
+
+    def estimate(self, rows: Array) -> Array:
+        """First-order multipliers (q,); those of inequalities are not positive."""
+        free = self.multipliers + self.penalty * rows
+        return jnp.where(self.equal, free, -pushed(-self.multipliers, self.penalty, rows))
+
+    def value(self, objective: Array, rows: Array) -> Array:
+        """() at evaluated rows."""
+        shift = jnp.sum(self.estimate(rows) ** 2 - self.multipliers**2)
+        return self.weight * objective + shift / (2.0 * self.penalty)
+
+    def gradient(self, at: Local, estimate: Array) -> Array:
+        """(n,) with the multipliers' estimate (q,) there."""
+        return self.weight * at.slope + at.jacobian.T @ estimate

@@ -1,0 +1,59 @@
+"""One programme from one start, in the units that the solver works in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.dense.first_order import FirstOrder
+from jaxatt.optimize.dense.functions import Functions, Local
+from jaxatt.optimize.dense.residuals import Box, Residuals, residuals
+from jaxatt.optimize.dense.state import Limits
+
+
+@dataclass(frozen=True)
+class Task:
+    """unit : (n,), what x is divided by.  scale : (1 + q,), what the rows are multiplied by.
+
+    box : bounds of the scaled x.  equal : (q,) bool.  inner : "newton", "gauss-newton", "lbfgs" or
+    "adam".
+    """
+
+    functions: Functions
+    args: Any
+    box: Box
+    scale: Array
+    unit: Array
+    equal: Array
+    limits: Limits
+    inner: str
+
+    @property
+    def first_order(self) -> FirstOrder | None:
+        """The minimiser without second derivatives, if that is what was asked for."""
+        return FirstOrder(self.inner) if self.inner in FirstOrder.NAMES else None
+
+    def rows(self, x: Array) -> Array:
+        """Objective and constraints, (1 + q,)."""
+        return self.functions.rows(x * self.unit, self.args) * self.scale
+
+    def local(self, x: Array) -> Local:
+        """Those and their first derivatives."""
+        rows, derivatives = self.functions.derivatives(x * self.unit, self.args)
+        rows = rows * self.scale
+        derivatives = derivatives * self.scale[:, None] * self.unit[None, :]
+        return Local(rows[0], rows[1:], derivatives[0], derivatives[1:])
+
+    def hessian(self, x: Array, weight: Array, multipliers: Array) -> Array:
+        """Second derivatives (n, n) of the Lagrangian, zero where they are not finite."""
+        shares = jnp.concatenate([weight[None], multipliers]) * self.scale
+        hessian = self.functions.hessian(x * self.unit, self.args, shares)
+        hessian = hessian * self.unit[:, None] * self.unit[None, :]
+        return jnp.nan_to_num(hessian, posinf=0.0, neginf=0.0)
+
+    def residuals(self, at: Local, multipliers: Array, x: Array) -> Residuals:
+        """First-order conditions at x with multipliers (q,), in the user's units."""
+        return residuals(at, multipliers, x, self.box, self.scale, self.unit, self.equal)
