@@ -29,7 +29,7 @@ from jaxatt.multistart.enumeration import (
 )
 from jaxatt.multistart.polish import Method, polish
 from jaxatt.multistart.search import Report
-from jaxatt.problems.slew_task import Departure
+from jaxatt.problems.slew_task import Departure, SlewTask
 from jaxatt.problems.task import Flags, Task
 from jaxatt.report import certificate_report
 from jaxatt.report.figure import Picture
@@ -57,7 +57,7 @@ class ClassRecord:
     """What became of the supports of one class.
 
     kind : which supports.  short, long : tried the short and the long way round; None if the class
-    is out of reach.  seconds : wall clock, or what it would take.
+    is out of reach, or where there is but one way.  seconds : wall clock, or what it would take.
     """
 
     kind: SupportClass
@@ -73,9 +73,9 @@ class ClassRecord:
     @property
     def reached(self) -> Flags:
         """(S,) supports that reach one way round or the other."""
-        if self.short is None or self.long is None:
+        if self.short is None:
             return np.zeros(0, bool)
-        return self.short.reached | self.long.reached
+        return self.short.reached if self.long is None else self.short.reached | self.long.reached
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +86,7 @@ class LegCertificate:
     cheaper, equal : classes of supports that cost less, and as much.
     best : (K, 2) interval and group of the best support of the found cost by L1 effort, verified in
     flight; None if those were out of reach.  best_effort : [N m s].  best_long : the way round.
+    consistent : whether the answer's own support was found to reach, as it must be.
     """
 
     found: Leg
@@ -95,11 +96,13 @@ class LegCertificate:
     best: npt.NDArray[np.int64] | None
     best_effort: float | None
     best_long: bool
+    consistent: bool = True
 
     @property
     def minimal(self) -> bool:
-        """Whether every cheaper support was tried and none reached."""
-        return all(record.tried and not record.reached.any() for record in self.cheaper)
+        """Whether every cheaper support was tried, by a method to be trusted, and none reached."""
+        nothing = all(record.tried and not record.reached.any() for record in self.cheaper)
+        return self.found.reached and self.consistent and nothing
 
     @property
     def refuted(self) -> bool:
@@ -224,24 +227,44 @@ def _certify_leg(
     classes = classes_up_to(task, cost)
     tie = cost * (1.0 - 1e-9)
     rate = _SECONDS_A_SUPPORT
+    signs = (1.0, -1.0) if isinstance(task, SlewTask) else (1.0,)
 
-    def tried(kind: SupportClass, attempts: int) -> ClassRecord:
+    def tried(kind: SupportClass, attempts: int, thorough: bool) -> ClassRecord:
         nonlocal rate
         if kind.number > most:
-            return ClassRecord(kind, None, None, 2.0 * rate * attempts * kind.number)
+            return ClassRecord(kind, None, None, len(signs) * rate * attempts * kind.number)
         stage = f"trying supports of {kind.size}"
         progress = None if report is None else lambda done: report(stage, done)
         method = Method("l0", progress=progress)
-        ways = [enumerate_class(task, kind, s, method, attempts, seed) for s in (1.0, -1.0)]
+        ways = [
+            enumerate_class(task, kind, sign, method, attempts, seed, thorough) for sign in signs
+        ]
         seconds = sum(way.seconds for way in ways)
         if kind.number >= 500:
-            rate = seconds / (2.0 * attempts * kind.number)
-        return ClassRecord(kind, ways[0], ways[1], seconds)
+            rate = seconds / (len(signs) * attempts * kind.number)
+        return ClassRecord(kind, ways[0], ways[1] if len(ways) > 1 else None, seconds)
 
-    equal = tuple(tried(kind, 1) for kind in classes if kind.cost >= tie)
-    cheaper = tuple(tried(kind, _ATTEMPTS) for kind in classes if kind.cost < tie)
+    same = [kind for kind in classes if kind.cost >= tie]
+    equal = tuple(tried(kind, 1, False) for kind in same)
+    own = np.argwhere(support_of(task, leg.controls))
+    if not _finds(equal, own):
+        # Limits bind too much for the quick way, as the answer's own support shows.
+        equal = tuple(tried(kind, 1, True) for kind in same)
+    cheaper = tuple(tried(kind, _ATTEMPTS, True) for kind in classes if kind.cost < tie)
     best, effort, long_way = _best(task, equal)
-    return LegCertificate(leg, cost, cheaper, equal, best, effort, long_way)
+    consistent = _finds(equal, own) or not all(record.tried for record in equal)
+    return LegCertificate(leg, cost, cheaper, equal, best, effort, long_way, consistent)
+
+
+def _finds(records: Sequence[ClassRecord], support: npt.NDArray[np.int64]) -> bool:
+    """Whether a support that is known to reach was found to."""
+    return any(
+        way is not None
+        and way.groups.shape[1:] == support.shape
+        and bool((way.reached & (way.groups == support[None]).all(axis=(1, 2))).any())
+        for record in records
+        for way in (record.short, record.long)
+    )
 
 
 def _best(

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jaxatt.multistart.batch import broadcast_lanes, sparsify_lanes
-from jaxatt.multistart.polish import SETTLED, Method, count_arguments
+from jaxatt.multistart.polish import SCREEN, SETTLED, Method, count_arguments, polish
 from jaxatt.optimize.reweighting import Reweighting
 from jaxatt.optimize.support import Mask
 from jaxatt.problems.task import Flags, Floats, Task
@@ -61,8 +61,8 @@ class Enumerated:
 
     groups : (S, K, 2), interval and group of every active group.
     reached : (S,), whether the roll-out meets the target within limits.
-    effort : (S,), L1 effort where it does.
-    residual : (S,), what was left.  seconds : wall clock.
+    effort : (S,), L1 effort where it does, nan elsewhere.
+    residual : (S,), what Newton's method left.  seconds : wall clock.
     """
 
     groups: npt.NDArray[np.int64]
@@ -114,10 +114,10 @@ def masks_of(task: Task, groups: npt.NDArray[np.int64]) -> Mask:
 
 def try_supports(
     task: Task, groups: npt.NDArray[np.int64], sign: float, method: Method, u: Floats | None = None
-) -> tuple[Floats, Floats]:
+) -> tuple[Floats, Floats, Flags]:
     """Controls (S, N, b) with the least effort on supports (S, K, 2), and their residuals (S,).
 
-    u : first controls; at rest without them.
+    u : first controls; at rest without them.  The flags (S,) say where a limit binds.
     """
     free = masks_of(task, groups) * np.asarray(task.arguments.free)[None]
     first = np.zeros_like(free) if u is None else u * free
@@ -129,16 +129,25 @@ def try_supports(
         method.progress,
         method.rows,
     )
-    return np.asarray(found.u), np.nan_to_num(np.asarray(found.residual), nan=np.inf)
+    residual = np.nan_to_num(np.asarray(found.residual), nan=np.inf)
+    return np.asarray(found.u), residual, np.asarray(found.saturated)
 
 
 def enumerate_class(
-    task: Task, kind: SupportClass, sign: float, method: Method, attempts: int = 1, seed: int = 0
+    task: Task,
+    kind: SupportClass,
+    sign: float,
+    method: Method,
+    attempts: int = 1,
+    seed: int = 0,
+    thorough: bool = False,
 ) -> Enumerated:
     """Try every support of a class, one way round.
 
     sign : 1 for the short way round to the target, -1 for the long one.
     attempts : starting points of every support; beyond the first they are random.
+    thorough : whether supports on which limits bind and Newton's method does not arrive are tried
+        by the augmented Lagrangian too, and flown.
     """
     began = time.perf_counter()
     rng = np.random.default_rng(seed)
@@ -146,17 +155,26 @@ def enumerate_class(
     listed = _supports(task, kind)
     while batch := list(itertools.islice(listed, _PER_CALL)):
         groups = np.asarray(batch, np.int64).reshape(len(batch), kind.size, 2)
-        u, residual = (leaf.copy() for leaf in try_supports(task, groups, sign, method))
+        tried = try_supports(task, groups, sign, method)
+        u, residual, saturated = tried[0].copy(), tried[1].copy(), tried[2].copy()
         for _ in range(attempts - 1):
             left = np.flatnonzero(residual > SETTLED)
             if not len(left):
                 break
             random = rng.uniform(-1.0, 1.0, (len(left), task.intervals, task.size))
-            again, rest = try_supports(task, groups[left], sign, method, random)
-            better = rest < residual[left]
-            u[left[better]], residual[left[better]] = again[better], rest[better]
+            again, rest, bound = try_supports(task, groups[left], sign, method, random)
+            better = left[rest < residual[left]]
+            u[better], residual[better] = again[rest < residual[left]], rest[rest < residual[left]]
+            saturated[left] |= bound
         reached = residual <= SETTLED
         effort = np.where(reached, task.effort(task.to_controls(np.nan_to_num(u))), np.nan)
+        stuck = np.flatnonzero(~reached & saturated)
+        if thorough and len(stuck):
+            nothing = np.zeros((len(stuck), task.intervals, task.size))
+            way = np.full(len(stuck), sign)
+            ended = polish(task, nothing, masks_of(task, groups[stuck]), way, method, SCREEN)
+            reached[stuck] = ended.verdict.reached
+            effort[stuck] = np.where(ended.verdict.reached, ended.rank[:, -1], np.nan)
         parts.append((groups, reached, effort, residual))
     joined = [np.concatenate(leaves) for leaves in zip(*parts, strict=True)]
     return Enumerated(joined[0], joined[1], joined[2], joined[3], time.perf_counter() - began)
@@ -173,7 +191,7 @@ def from_pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | 
     if math.comb(len(places), 2) > _MOST_PAIRS:
         return None
     groups = np.asarray(list(itertools.combinations(places, 2)), np.int64)
-    u, residual = try_supports(task, groups, 1.0, method)
+    u, residual, _ = try_supports(task, groups, 1.0, method)
     controls = task.to_controls(np.nan_to_num(u))
     kept = (np.abs(controls).max(axis=-1) > 0.0).sum(axis=1) >= 2
     usable = np.flatnonzero((residual <= SETTLED) & kept)

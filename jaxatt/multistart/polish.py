@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.multistart.batch import Form, Lanes, broadcast_lanes, solve_lanes, sparsify_lanes
-from jaxatt.multistart.candidates import Candidates, evaluate
+from jaxatt.multistart.candidates import Candidates, evaluate, join
 from jaxatt.multistart.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.multistart.starts import Starts
 from jaxatt.optimize.augmented_lagrangian import Schedule
@@ -149,7 +149,14 @@ def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
     )
     arrived = np.asarray(found.residual) <= SETTLED
     status = np.where(arrived, int(Status.FEASIBLE), int(Status.ITERATION_LIMIT))
-    return evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)
+    settled = evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)
+    stuck = np.flatnonzero(~arrived & np.asarray(found.saturated))
+    if not len(stuck):
+        return settled
+    # Limits that bind nearly everywhere are beyond the Newton steps, not beyond the Lagrangian.
+    again = polish(task, u[stuck], supports[stuck], sign[stuck], method, SCREEN)
+    kept = np.setdiff1d(np.arange(len(u)), stuck)
+    return join(settled.pick(kept), again).pick(np.argsort(np.concatenate([kept, stuck])))
 
 
 def polish(

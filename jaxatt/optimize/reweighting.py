@@ -7,7 +7,9 @@ support is frozen, and d = sqrt(u^2 + s^2) leads to the least sum of magnitudes 
 make each step a system of their own small size, whatever the number of controls.
 
 Controls over their limit are put on it and kept there for the next step, which lets them go as soon
-as it wants less of them; so saturation holds exactly at every iterate.
+as it wants less of them; so saturation holds exactly at every iterate.  A stage on its limit has no
+freedom to turn, so where nearly all stages saturate this can fail although there is an answer;
+`SparseRoot.saturated` tells those starts apart.
 
 Sources: Candes, Wakin and Boyd (2008), "Enhancing sparsity by reweighted l1 minimization";
 Chartrand and Yin (2008), "Iteratively reweighted algorithms for compressive sensing".
@@ -55,11 +57,13 @@ class SparseRoot(NamedTuple):
 
     u : (S, N, b).  support : (S, N, b), 1 where control was allowed in the end.
     residual : (S,) largest absolute hard row at the point before the last step.
+    saturated : (S,) whether a limit bound in the last step.
     """
 
     u: Array
     support: Array
     residual: Array
+    saturated: Array
 
 
 class _Point(NamedTuple):
@@ -154,4 +158,4 @@ def sparsify(
         jnp.full(u.shape[:1], jnp.inf, u.dtype),
     )
     end = lax.fori_loop(0, settings.deciding + settings.settling, body, start)
-    return SparseRoot(end.u, end.support, end.residual)
+    return SparseRoot(end.u, end.support, end.residual, jnp.any(end.held, axis=1))

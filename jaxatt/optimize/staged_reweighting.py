@@ -179,4 +179,5 @@ def sparsify_stages(
     found, worst = lax.fori_loop(
         0, steps.deciding + steps.settling, body, (start, jnp.asarray(jnp.inf, dtype))
     )
-    return SparseRoot(found.flown.u, found.support, worst)
+    saturated = jnp.any(found.held > 0.0)
+    return SparseRoot(found.flown.u, found.support, worst, saturated)

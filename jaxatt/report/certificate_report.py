@@ -50,6 +50,11 @@ def _leg_sentences(leg: LegCertificate) -> list[str]:
             f"Minimal, shown numerically: none of the {many} reaches "
             "the target, the short or the long way round, from rest or from random torques."
         )
+    elif not leg.consistent:
+        told.append(
+            f"Nothing is shown: {many} were tried and none reaches, but neither does the answer's "
+            "own support, which flies; the trials are not to be trusted here."
+        )
     elif tried:
         told.append(
             f"None of {many} tried reaches the target; minimality is "
@@ -127,8 +132,9 @@ def _cells(record: ClassRecord) -> tuple[str, ...]:
         parts = zip(kind.counts, kind.weights, strict=True)
         label += " (" + " + ".join(f"{c} of weight {short(w)}" for c, w in parts if c) + ")"
         label = label.removesuffix(" ()")
+    unknown = "" if record.tried else "not tried"
     ways = [
-        "not tried" if way is None else str(int(way.reached.sum()))
+        unknown if way is None else str(int(way.reached.sum()))
         for way in (record.short, record.long)
     ]
     time = short(record.seconds, 2) if record.tried else f"about {_duration(record.seconds)}"

@@ -887,9 +887,11 @@ _add(
 _BARD = (0.14, 0.18, 0.22, 0.25, 0.29, 0.32, 0.35, 0.39, 0.37, 0.58, 0.73, 0.96, 1.34, 2.1, 4.39)
 _add(
     "Bard", (1, 1, 1),
-    lambda x, xp: sum(
-        (y - x[0] - i / ((16 - i) * x[1] + min(i, 16 - i) * x[2])) ** 2
-        for i, y in enumerate(_BARD, 1)
+    lambda x, xp: xp.sum(
+        (xp.array(_BARD) - x[0] - xp.array([*range(1, 16)]) / (
+            xp.array([*range(15, 0, -1)]) * x[1]
+            + xp.array([min(i, 16 - i) for i in range(1, 16)]) * x[2]
+        )) ** 2
     ),
     8.21487e-3, source="MGH 8",
 )  # fmt: skip
@@ -899,25 +901,27 @@ _MEYER = (
 )  # fmt: skip
 _add(
     "Meyer", (0.02, 4000, 250),
-    lambda x, xp: sum(
-        (x[0] * xp.exp(x[1] / (45 + 5 * i + x[2])) - y) ** 2 for i, y in enumerate(_MEYER, 1)
+    lambda x, xp: xp.sum(
+        (x[0] * xp.exp(x[1] / (xp.array([*range(50, 130, 5)]) + x[2])) - xp.array(_MEYER)) ** 2
     ),
     87.9458, source="MGH 10",
 )  # fmt: skip
+_TENTHS = [0.1 * i for i in range(1, 11)]
 _add(
     "Box", (0, 10, 20),
-    lambda x, xp: sum(
-        (xp.exp(-0.1 * i * x[0]) - xp.exp(-0.1 * i * x[1])
-         - x[2] * (math.exp(-0.1 * i) - math.exp(-i))) ** 2
-        for i in range(1, 11)
+    lambda x, xp: xp.sum(
+        (xp.exp(-xp.array(_TENTHS) * x[0]) - xp.exp(-xp.array(_TENTHS) * x[1])
+         - xp.array([math.exp(-t) - math.exp(-10 * t) for t in _TENTHS]) * x[2]) ** 2
     ),
     0.0, source="MGH 12",
 )  # fmt: skip
+_FIFTHS = [i / 5 for i in range(1, 21)]
 _add(
     "Brown and Dennis", (25, 5, -5, -1),
-    lambda x, xp: sum(
-        ((x[0] + t * x[1] - math.exp(t)) ** 2 + (x[2] + math.sin(t) * x[3] - math.cos(t)) ** 2) ** 2
-        for t in (i / 5 for i in range(1, 21))
+    lambda x, xp: xp.sum(
+        ((x[0] + xp.array(_FIFTHS) * x[1] - xp.array([math.exp(t) for t in _FIFTHS])) ** 2
+         + (x[2] + xp.array([math.sin(t) for t in _FIFTHS]) * x[3]
+            - xp.array([math.cos(t) for t in _FIFTHS])) ** 2) ** 2
     ),
     85822.2, source="MGH 16",
 )  # fmt: skip

@@ -1,0 +1,43 @@
+"""Importing changes nothing; `configure` changes what it says."""
+
+import os
+import subprocess
+import sys
+
+
+def run(code, **environment):
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_", "XLA_"))}
+    return subprocess.run(
+        [sys.executable, "-c", code], env=clean | environment, capture_output=True, text=True
+    )
+
+
+def test_importing_changes_no_setting():
+    code = """
+import os, jax
+before = dict(jax.config.values)
+import jaxatt
+assert before == jax.config.values
+assert "XLA_FLAGS" not in os.environ
+"""
+    ended = run(code)
+    assert ended.returncode == 0, ended.stderr
+
+
+def test_configure_sets_precision_cores_cache_and_keeps_flags_that_are_there(tmp_path):
+    code = f"""
+import os, jax, jaxatt, jax.numpy as jnp
+from jaxatt.simulation.chunks import workers
+assert workers() == 1
+jaxatt.configure(cache={str(tmp_path)!r})
+assert jnp.ones(2).dtype == jnp.float64
+assert workers() == len(os.sched_getaffinity(0))
+assert "--xla_cpu_enable_fast_math=false" in os.environ["XLA_FLAGS"]
+assert "multi_output_fusion" in os.environ["XLA_FLAGS"]
+from jaxatt import scenarios
+from jaxatt.scenarios.build import build_task
+build_task(scenarios.load("hypso1-45-0-0"))
+"""
+    ended = run(code, XLA_FLAGS="--xla_cpu_enable_fast_math=false")
+    assert ended.returncode == 0, ended.stderr
+    assert any(tmp_path.iterdir())
