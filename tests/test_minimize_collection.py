@@ -2,7 +2,7 @@
 
 The residual of the first-order conditions is recomputed here, by other means than the solver's.
 Nearly all of the time goes into compiling, so that only a part of the collection is solved here,
-the hard families in full; `benchmarks/nonlinear_programs.py` solves all of it.
+every infeasible and unbounded one among them; `benchmarks/nonlinear_programs.py` solves all of it.
 """
 
 from dataclasses import replace

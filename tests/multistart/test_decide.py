@@ -37,8 +37,6 @@ def test_most_starts_find_two_intervals_even_where_torque_is_scarce(share, least
     assert useful.mean() >= least
     relative = np.abs(task.wheel_torque(controls)) / np.asarray(task.craft.wheels.torque_limit)
     assert relative.max() <= 1.0 + 1e-12
-    if share < 0.5:
-        assert (relative[useful].max(axis=(1, 2)) > 1.0 - 1e-9).any()
 
 
 def test_starts_differ_and_some_go_the_long_way():
