@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from types import TracebackType
 
 from rich.console import Console
@@ -13,6 +14,9 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
+
+_SECONDS_BETWEEN_LINES = 2.0
+"""Between lines of the same stage, where there is no terminal that could show a bar."""
 
 _COUNTED = ("deciding", "polishing")
 """Stages that treat every start once; how much others will have to do is not known."""
@@ -28,6 +32,7 @@ class Reporter:
         console = Console(stderr=True)
         self._starts, self._console, self._silent = starts, console, silent
         self._stage, self._done = "", 0
+        self._told = -_SECONDS_BETWEEN_LINES
         self._task: TaskID | None = None
         self._bar = Progress(
             SpinnerColumn(),
@@ -55,7 +60,8 @@ class Reporter:
 
     def __call__(self, stage: str, done: int) -> None:
         again = self._total(stage) is not None and self._done >= self._starts
-        if stage != self._stage or again:
+        fresh = stage != self._stage or again
+        if fresh:
             self._stage, self._done = stage, 0
         self._done += done
         total = self._total(stage)
@@ -64,8 +70,12 @@ class Reporter:
             self._bar.update(
                 self._task, description=stage, total=total, completed=self._done, count=count
             )
-        elif not self._silent:
+        elif not self._silent and (fresh or self._done == total or self._overdue()):
+            self._told = time.monotonic()
             self._console.print(f"{stage}: {count}", highlight=False, markup=False, soft_wrap=True)
+
+    def _overdue(self) -> bool:
+        return time.monotonic() - self._told >= _SECONDS_BETWEEN_LINES
 
     def _total(self, stage: str) -> int | None:
         return self._starts if stage.startswith(_COUNTED) else None
