@@ -39,6 +39,7 @@ from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import write_json
 from jaxatt.scenarios.build import build_task
+from jaxatt.simulation.chunks import chunk_for
 from jaxatt.solving import solve
 
 if TYPE_CHECKING:
@@ -202,11 +203,11 @@ def certify(
 
 
 def _checked(scenario: scenarios.Scenario) -> None:
-    task = build_task(scenario, 0, enforce_speed_limits=False)
+    task = build_task(scenario)
     if task.system.response is None:
         raise scenarios.ScenarioError(
-            f"{scenario.name}: has path constraints, under which supports cannot be tried one by "
-            "one; certify it without them"
+            f"{scenario.name}: has path constraints (such as wheel speed limits), under which "
+            "supports cannot be tried one by one; certify it without them"
         )
 
 
@@ -228,6 +229,7 @@ def _certify_leg(
     tie = cost * (1.0 - 1e-9)
     rate = _SECONDS_A_SUPPORT
     signs = (1.0, -1.0) if isinstance(task, SlewTask) else (1.0,)
+    rows = chunk_for(len(leg.starts.status))  # as in the search: nothing is compiled again
 
     def tried(kind: SupportClass, attempts: int, thorough: bool) -> ClassRecord:
         nonlocal rate
@@ -235,7 +237,7 @@ def _certify_leg(
             return ClassRecord(kind, None, None, len(signs) * rate * attempts * kind.number)
         stage = f"trying supports of {kind.size}"
         progress = None if report is None else lambda done: report(stage, done)
-        method = Method("l0", progress=progress)
+        method = Method("l0", rows=rows, progress=progress)
         ways = [
             enumerate_class(task, kind, sign, method, attempts, seed, thorough) for sign in signs
         ]
@@ -251,7 +253,7 @@ def _certify_leg(
         # Limits bind too much for the quick way, as the answer's own support shows.
         equal = tuple(tried(kind, 1, True) for kind in same)
     cheaper = tuple(tried(kind, _ATTEMPTS, True) for kind in classes if kind.cost < tie)
-    best, effort, long_way = _best(task, equal)
+    best, effort, long_way = _best(task, equal, rows)
     consistent = _finds(equal, own) or not all(record.tried for record in equal)
     return LegCertificate(leg, cost, cheaper, equal, best, effort, long_way, consistent)
 
@@ -268,7 +270,7 @@ def _finds(records: Sequence[ClassRecord], support: npt.NDArray[np.int64]) -> bo
 
 
 def _best(
-    task: Task, records: Sequence[ClassRecord]
+    task: Task, records: Sequence[ClassRecord], rows: int
 ) -> tuple[npt.NDArray[np.int64] | None, float | None, bool]:
     """The support of least L1 effort among those that reach, polished and verified in flight."""
     ways: list[tuple[float, npt.NDArray[np.int64], float]] = []
@@ -284,7 +286,7 @@ def _best(
     masks = np.concatenate([masks_of(task, groups[None]) for _, groups, _ in ways])
     signs = np.asarray([sign for _, _, sign in ways])
     rest = np.zeros((len(ways), task.intervals, task.size))
-    ended = polish(task, rest, masks, signs, Method("l0"))
+    ended = polish(task, rest, masks, signs, Method("l0", rows=rows))
     flown = np.where(ended.verdict.reached, ended.rank[:, -1], np.inf)
     index = int(np.argmin(flown))
     if not np.isfinite(flown[index]):

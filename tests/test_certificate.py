@@ -125,6 +125,13 @@ def test_where_enumeration_means_nothing_it_says_so(name, objective, words):
         jaxatt.certify(name, objective=objective, starts=8)
 
 
+def test_wheel_speed_limits_are_path_constraints():
+    limited = {"vehicle.wheels.speed_limit_rad_s": 5.2}
+    scenario = scenarios.replace(scenarios.load("hypso1-90-45-15"), limited)
+    with pytest.raises(jaxatt.ScenarioError, match="speed limits"):
+        jaxatt.certify(scenario, starts=8)
+
+
 def test_classes_hold_every_support_once():
     scenario = scenarios.replace(
         scenarios.load("hypso1-90-45-15"),

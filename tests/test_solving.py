@@ -195,6 +195,13 @@ def test_wheel_speed_limits_hold_in_flight():
     assert result.legs[0].margin_violation <= 1e-6
 
 
+def test_a_speed_limit_that_nothing_can_meet_is_said_to_be_in_the_way():
+    limited = {"vehicle.wheels.speed_limit_rad_s": 1.0, "solver.starts": 8}
+    result = jaxatt.solve(changed(limited))
+    assert not result.reached
+    assert result.legs[0].obstacle
+
+
 def test_forbidden_windows_stay_empty():
     windows = [
         {"first_interval": 0, "last_interval": 9, "forbidden": True},

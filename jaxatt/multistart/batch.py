@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -130,17 +131,32 @@ def solve_lanes(
     progress: Progress | None = None,
     rows: int = CHUNK,
 ) -> Solution:
-    """Solve all lanes by the augmented Lagrangian and gather the results on the host.
+    """Solve all lanes by the augmented Lagrangian and gather the results on the host."""
+    run = functools.partial(_solve_chunk, form)
+    key = ("solve", form, lanes.u.shape[1:])
+    return retiring(
+        lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
+    )
+
+
+def retiring(
+    run: Callable[[Lanes, Schedule], Any],
+    lanes: Lanes,
+    schedule: Schedule,
+    rows: int,
+    progress: Progress | None,
+    key: Hashable,
+) -> Any:
+    """`run` on all lanes, chunk by chunk, so that the slowest does not rule.
 
     A chunk runs until its slowest lane ends.  So lanes that take long are retired after a few
     iterations and solved again among themselves, from their start, which changes no result.
+    run, key : as in `in_chunks`; the solutions have a `status` and `iterations`.
     """
-    run = functools.partial(_solve_chunk, form)
-    key = ("solve", form, lanes.u.shape[1:])
 
-    def solve_with(limit: int, some: Lanes, told: Progress | None) -> Solution:
-        short = replace(schedule, max_iterations=limit)
-        return in_chunks(lambda chunk: run(chunk, arguments, short), some, rows, told, key)
+    def solve_with(limit: int, some: Lanes, told: Progress | None) -> Any:
+        limited = replace(schedule, max_iterations=limit)
+        return in_chunks(lambda chunk: run(chunk, limited), some, rows, told, key)
 
     limit = min(_EARLY_ITERATIONS, schedule.max_iterations)
     found = solve_with(limit, lanes, progress)

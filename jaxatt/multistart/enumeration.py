@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.multistart.batch import broadcast_lanes, sparsify_lanes
-from jaxatt.multistart.polish import SCREEN, SETTLED, Method, count_arguments, polish
+from jaxatt.multistart.batch import broadcast_lanes
+from jaxatt.multistart.polish import SCREEN, SETTLED, Method, polish, reweight
 from jaxatt.optimize.reweighting import Reweighting
 from jaxatt.optimize.support import Mask
 from jaxatt.problems.task import Flags, Floats, Task
@@ -121,14 +121,8 @@ def try_supports(
     """
     free = masks_of(task, groups) * np.asarray(task.arguments.free)[None]
     first = np.zeros_like(free) if u is None else u * free
-    found = sparsify_lanes(
-        method.form(task),
-        broadcast_lanes(first, free, np.full(task.rows, np.inf), np.asarray(sign)),
-        count_arguments(task),
-        _FROM_REST,
-        method.progress,
-        method.rows,
-    )
+    lanes = broadcast_lanes(first, free, np.full(task.rows, np.inf), np.asarray(sign))
+    found = reweight(task, lanes, method, _FROM_REST)
     residual = np.nan_to_num(np.asarray(found.residual), nan=np.inf)
     return np.asarray(found.u), residual, np.asarray(found.saturated)
 

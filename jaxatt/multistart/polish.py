@@ -12,7 +12,7 @@ from jaxatt.multistart.candidates import Candidates, evaluate, join
 from jaxatt.multistart.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.multistart.starts import Starts
 from jaxatt.optimize.augmented_lagrangian import Schedule
-from jaxatt.optimize.reweighting import SUPPORT_THRESHOLD, Reweighting
+from jaxatt.optimize.reweighting import SUPPORT_THRESHOLD, Reweighting, SparseRoot
 from jaxatt.optimize.status import Status
 from jaxatt.optimize.support import Mask
 from jaxatt.problems.hands_off import SparseArguments
@@ -101,6 +101,13 @@ def _free(task: Task, support: Mask) -> Floats:
     return full * np.asarray(task.arguments.free)
 
 
+def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
+    """Reweighted Newton steps for all lanes, by pulses or stage by stage."""
+    run = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
+    arguments = count_arguments(task)
+    return run(method.form(task), lanes, arguments, settings, method.progress, method.rows)
+
+
 def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     """Scaled controls and the support they suggest, one for every start."""
     count = len(starts.u)
@@ -113,10 +120,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
     form, lanes = method.form(task), Lanes(starts.u * free, free, rows, starts.sign)
     if method.reweights_for(task):
-        reweight = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
-        found = reweight(
-            form, lanes, count_arguments(task), Reweighting(), method.progress, method.rows
-        )
+        found = reweight(task, lanes, method, Reweighting())
         u = np.nan_to_num(np.asarray(found.u))
         active: Mask = np.asarray(found.support) > 0
         return u, np.any(active, axis=-1, keepdims=True) if task.shared else active
@@ -138,15 +142,8 @@ def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
     if not method.reweights_for(task):
         return polish(task, u, supports, sign, method, SCREEN)
     free = _free(task, supports)
-    reweight = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
-    found = reweight(
-        method.form(task),
-        broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
-        count_arguments(task),
-        SETTLE,
-        method.progress,
-        method.rows,
-    )
+    lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
+    found = reweight(task, lanes, method, SETTLE)
     arrived = np.asarray(found.residual) <= SETTLED
     status = np.where(arrived, int(Status.FEASIBLE), int(Status.ITERATION_LIMIT))
     settled = evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)

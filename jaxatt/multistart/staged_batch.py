@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.multistart.batch import Form, Lanes, placed
+from jaxatt.multistart.batch import Form, Lanes, placed, retiring
 from jaxatt.optimize.augmented_lagrangian import Schedule
 from jaxatt.optimize.reweighting import Reweighting, SparseRoot
 from jaxatt.optimize.staged_lagrangian import StagedSolution, solve_stages
@@ -70,7 +70,9 @@ def solve_staged_lanes(
     """As `batch.solve_lanes`, by the augmented Lagrangian with Riccati steps."""
     run = functools.partial(_solve_chunk, form)
     key = ("solve stages", form, lanes.u.shape[1:])
-    return in_chunks(lambda chunk: run(chunk, arguments, schedule), lanes, rows, progress, key)
+    return retiring(
+        lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
+    )
 
 
 def sparsify_staged_lanes(

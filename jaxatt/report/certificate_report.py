@@ -117,7 +117,7 @@ def table(certificate: Certificate) -> Table:
     several = len(certificate.legs) > 1
     names = ("leg",) if several else ()
     for name in (*names, "active", "cost", "supports", "reach, short", "reach, long", "time [s]"):
-        grid.add_column(name, justify="right")
+        grid.add_column(Text(name), justify="right")  # rich would read "[s]" as a style
     for number, leg in enumerate(certificate.legs, start=1):
         for record in (*leg.cheaper, *leg.equal):
             first = (str(number),) if several else ()

@@ -86,23 +86,28 @@ def test_rows_that_bend_vanish_too(seed):
     assert np.abs(rows[settled]).max() < 1e-8
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_a_frozen_support_gets_the_least_sum_of_magnitudes(seed):
-    rng = np.random.default_rng(100 + seed)
-    support = np.zeros((STAGES, 1))
-    support[rng.permutation(STAGES)[:5]] = 1.0
-    free = np.broadcast_to(support, (STARTS, STAGES, SIZE))
-    matrix, target, starts = problem(seed, size=0.2)
-    rows = np.full((STARTS, ROWS), np.inf)
-    found = run(matrix, target, starts, free, rows, 0.0, False, SETTLED)
-    columns = (matrix * support[None]).reshape(ROWS, -1)
-    n = columns.shape[1]
-    best = scipy.optimize.linprog(
-        np.ones(2 * n), A_eq=np.hstack([columns, -columns]), b_eq=target, bounds=(0.0, 1.0)
-    )
-    if best.status == 0:
-        effort = np.abs(np.asarray(found.u)).sum(axis=(1, 2))
-        np.testing.assert_allclose(effort, best.fun, rtol=2e-3)
+def test_a_frozen_support_gets_the_least_sum_of_magnitudes():
+    solved = 0
+    for seed in range(6):
+        rng = np.random.default_rng(100 + seed)
+        support = np.zeros((STAGES, 1))
+        support[rng.permutation(STAGES)[:5]] = 1.0
+        free = np.broadcast_to(support, (STARTS, STAGES, SIZE))
+        matrix, target, starts = problem(seed, size=0.2)
+        rows = np.full((STARTS, ROWS), np.inf)
+        found = run(matrix, target, starts, free, rows, 0.0, False, SETTLED)
+        columns = (matrix * support[None]).reshape(ROWS, -1)
+        best = scipy.optimize.linprog(
+            np.ones(2 * STAGES * SIZE),
+            A_eq=np.hstack([columns, -columns]),
+            b_eq=target,
+            bounds=(0.0, 1.0),
+        )
+        if best.status == 0:
+            effort = np.abs(np.asarray(found.u)).sum(axis=(1, 2))
+            np.testing.assert_allclose(effort, best.fun, rtol=2e-3)
+            solved += 1
+    assert solved >= 3
 
 
 def test_limits_hold_and_starts_that_they_stop_are_told():

@@ -1,0 +1,65 @@
+"""Where a step of the search spends its time: one chunk of starts on one core.
+
+    python -m benchmarks.step_profile [--rows 64]
+
+Least of many interleaved runs: a roll-out, the roll-out with its derivatives, and a whole search
+divided by its steps.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import jaxatt
+
+jaxatt.configure()
+
+import jax  # noqa: E402
+import jax.numpy as jnp  # noqa: E402
+
+from benchmarks.cases import task_of  # noqa: E402
+from jaxatt.multistart.batch import broadcast_lanes, sparsify_lanes  # noqa: E402
+from jaxatt.multistart.polish import Method, count_arguments  # noqa: E402
+from jaxatt.multistart.starts import draw  # noqa: E402
+from jaxatt.optimize.reweighting import Reweighting  # noqa: E402
+from jaxatt.problems.pulse_response import pulse_response  # noqa: E402
+from jaxatt.problems.slew import SlewForm, fly_nodes  # noqa: E402
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rows", type=int, default=64)
+    parser.add_argument("--repeats", type=int, default=100)
+    options = parser.parse_args()
+    task, rows, form = task_of("hypso1-90-45-15"), options.rows, SlewForm()
+    starts = draw(0, rows, task.intervals, task.size, task.long_way_probability())
+    a = task.arguments
+    lanes = broadcast_lanes(starts.u, a.free, a.row_weight, starts.sign)
+    last, plant, steps = jnp.moveaxis(jnp.asarray(starts.u), 0, -1), a.plant, Reweighting()
+    flown, swept = (
+        jax.jit(jax.vmap(lambda u, part=part: part(u, plant, form), in_axes=-1, out_axes=-1))
+        for part in (fly_nodes, pulse_response)
+    )
+    chosen, arguments = Method("l0").form(task), count_arguments(task)
+    parts = {
+        "roll-out": lambda: flown(last),
+        "roll-out with derivatives": lambda: swept(last),
+        "search": lambda: sparsify_lanes(chosen, lanes, arguments, steps, rows=rows),
+    }
+    least = dict.fromkeys(parts, float("inf"))
+    for repeat in range(options.repeats + 1):
+        for name, part in parts.items():
+            began = time.perf_counter()
+            jax.block_until_ready(part())
+            if repeat:
+                least[name] = min(least[name], time.perf_counter() - began)
+    count = steps.deciding + steps.settling
+    for name, seconds in least.items():
+        print(f"{name}: {1e3 * seconds:.2f} ms for {rows} starts")
+    print(f"a step of the search: {1e3 * least['search'] / count:.2f} ms, {count} steps")
+
+
+if __name__ == "__main__":
+    main()
