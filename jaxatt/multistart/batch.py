@@ -14,6 +14,7 @@ from jax import Array
 
 from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
+from jaxatt.optimize.least_effort import least_effort
 from jaxatt.optimize.reweighting import Reweighting, SparseRoot, sparsify
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off import (
@@ -98,29 +99,49 @@ def _solve_chunk(
 def _sparsify_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, settings: Reweighting
 ) -> SparseRoot:
+    limits = form.system.limits
+    assert limits is not None
+
+    def one(lane: Lanes) -> SparseRoot:
+        plant = form.system.turned(arguments.plant, lane.sign)
+        return sparsify(
+            form.system.linearise(plant),
+            limits(plant),
+            lane.u,
+            lane.free,
+            arguments.weight * arguments.count_scale,
+            lane.row_weight,
+            form.shared,
+            settings,
+        )
+
+    # The batch axis goes last, where every component becomes one contiguous vector.
+    last = jax.tree.map(lambda leaf: jnp.moveaxis(jnp.asarray(leaf), 0, -1), lanes)
+    found = jax.vmap(one, in_axes=-1, out_axes=-1)(last)
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, -1, 0), found)
+
+
+@functools.partial(jax.jit, static_argnames=("form",))
+def _effort_chunk(
+    form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
+) -> Solution:
     respond, limits = form.system.response, form.system.limits
     assert respond is not None and limits is not None
 
-    lanes = jax.tree.map(jnp.asarray, lanes)
+    def one(lane: Lanes) -> Solution:
+        plant = form.system.turned(arguments.plant, lane.sign)
+        return least_effort(
+            lambda u: respond(u, plant),
+            limits(plant),
+            arguments.effort_map,
+            lane.u,
+            lane.free,
+            lane.row_weight,
+            arguments.effort_scale,
+            schedule,
+        )
 
-    def one(u: Array, sign: Array) -> tuple[Array, Array]:
-        rows, derivatives = respond(u, form.system.turned(arguments.plant, sign))
-        return rows, jnp.swapaxes(derivatives, 0, 1)
-
-    def response(u: Array) -> tuple[Array, Array]:
-        # The batch axis goes last, where every component becomes one contiguous vector.
-        return jax.vmap(one, in_axes=(-1, 0), out_axes=0)(jnp.moveaxis(u, 0, -1), lanes.sign)
-
-    return sparsify(
-        response,
-        limits(arguments.plant),
-        lanes.u,
-        lanes.free,
-        arguments.weight * arguments.count_scale,
-        lanes.row_weight,
-        form.shared,
-        settings,
-    )
+    return jax.vmap(one)(jax.tree.map(jnp.asarray, lanes))
 
 
 def solve_lanes(
@@ -134,6 +155,22 @@ def solve_lanes(
     """Solve all lanes by the augmented Lagrangian and gather the results on the host."""
     run = functools.partial(_solve_chunk, form)
     key = ("solve", form, lanes.u.shape[1:])
+    return retiring(
+        lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
+    )
+
+
+def spend_least(
+    form: Form,
+    lanes: Lanes,
+    arguments: SparseArguments,
+    schedule: Schedule,
+    progress: Progress | None = None,
+    rows: int = CHUNK,
+) -> Solution:
+    """Least effort on frozen supports, as `solve_lanes` but for tasks with a `response` only."""
+    run = functools.partial(_effort_chunk, form)
+    key = ("effort", form, lanes.u.shape[1:])
     return retiring(
         lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
     )

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jaxatt.multistart.batch import broadcast_lanes
-from jaxatt.multistart.polish import SCREEN, SETTLED, Method, polish, reweight
+from jaxatt.multistart.polish import SCREENING, SETTLED, Method, polish, reweight
 from jaxatt.optimize.reweighting import Reweighting
 from jaxatt.optimize.support import Mask
 from jaxatt.problems.task import Flags, Floats, Task
@@ -141,7 +141,7 @@ def enumerate_class(
     sign : 1 for the short way round to the target, -1 for the long one.
     attempts : starting points of every support; beyond the first they are random.
     thorough : whether supports on which limits bind and Newton's method does not arrive are tried
-        by the augmented Lagrangian too, and flown.
+        by the full polish too, and flown.
     """
     began = time.perf_counter()
     rng = np.random.default_rng(seed)
@@ -166,7 +166,7 @@ def enumerate_class(
         if thorough and len(stuck):
             nothing = np.zeros((len(stuck), task.intervals, task.size))
             way = np.full(len(stuck), sign)
-            ended = polish(task, nothing, masks_of(task, groups[stuck]), way, method, SCREEN)
+            ended = polish(task, nothing, masks_of(task, groups[stuck]), way, method, SCREENING)
             reached[stuck] = ended.verdict.reached
             effort[stuck] = np.where(ended.verdict.reached, ended.rank[:, -1], np.nan)
         parts.append((groups, reached, effort, residual))

@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.multistart.batch import Form, Lanes, broadcast_lanes, solve_lanes, sparsify_lanes
+from jaxatt.multistart.batch import (
+    Form,
+    Lanes,
+    broadcast_lanes,
+    solve_lanes,
+    sparsify_lanes,
+    spend_least,
+)
 from jaxatt.multistart.candidates import Candidates, evaluate, join
 from jaxatt.multistart.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.multistart.starts import Starts
@@ -34,8 +41,11 @@ POLISH = Schedule(
 )
 """Least effort on a frozen support, to the full tolerance."""
 
-SCREEN = replace(POLISH, max_iterations=30)
-"""As `POLISH`, but soon given up."""
+LEAST = Schedule(smoothing_start=0.1, smoothing_factor=0.45, max_iterations=60)
+"""The same by the primal-dual method."""
+
+SCREENING = 30
+"""Iterations after which a support that is only tried is given up."""
 
 SLACK = Schedule(
     penalty=1e3, smoothing_start=3.0, smoothing_end=1e-2, max_inner=15, max_iterations=300
@@ -140,7 +150,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
 def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
     """As `polish`, but soon given up: most neighbours of a good support lead nowhere."""
     if not method.reweights_for(task):
-        return polish(task, u, supports, sign, method, SCREEN)
+        return polish(task, u, supports, sign, method, SCREENING)
     free = _free(task, supports)
     lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
     found = reweight(task, lanes, method, SETTLE)
@@ -150,8 +160,8 @@ def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
     stuck = np.flatnonzero(~arrived & np.asarray(found.saturated))
     if not len(stuck):
         return settled
-    # Limits that bind nearly everywhere are beyond the Newton steps, not beyond the Lagrangian.
-    again = polish(task, u[stuck], supports[stuck], sign[stuck], method, SCREEN)
+    # Limits that bind nearly everywhere are beyond these Newton steps, not beyond the polish.
+    again = polish(task, u[stuck], supports[stuck], sign[stuck], method, SCREENING)
     kept = np.setdiff1d(np.arange(len(u)), stuck)
     return join(settled.pick(kept), again).pick(np.argsort(np.concatenate([kept, stuck])))
 
@@ -162,17 +172,25 @@ def polish(
     supports: Mask,
     sign: Floats,
     method: Method,
-    schedule: Schedule = POLISH,
+    most: int | None = None,
 ) -> Candidates:
-    """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers."""
+    """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers.
+
+    most : iterations; by default as many as a full polish may take.
+    """
     free = _free(task, supports)
     form = method.form(task)
-    solve = solve_staged_lanes if method.stages_for(task) else solve_lanes
+    solve, schedule = solve_lanes, SLACK if form.slacks else POLISH
+    if method.stages_for(task):
+        solve = solve_staged_lanes
+    elif method.reweights_for(task) and task.goal.terminal == "reach":
+        # The printed cost may rest where its rows do not vanish, which asks for a line search.
+        solve, schedule = spend_least, LEAST
     solution = solve(
         form,
         broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
         effort_arguments(task),
-        SLACK if form.slacks else schedule,
+        schedule if most is None else replace(schedule, max_iterations=most),
         method.progress,
         method.rows,
     )

@@ -108,7 +108,7 @@ class _State(NamedTuple):
 
 
 _RUNNING = -1
-_LARGE_MULTIPLIER = 100.0
+LARGE_MULTIPLIER = 100.0
 _LOOSE_STATIONARITY = 1e-2
 _SHRINKS_WELL = 0.25
 _SHRINKS = 0.9
@@ -229,7 +229,7 @@ def solve(
             _largest(estimates.equality),
             jnp.maximum(_largest(estimates.inequality), _largest(estimates.stage)),
         )
-        stationarity = _largest(gradient) / jnp.maximum(1.0, largest / _LARGE_MULTIPLIER)
+        stationarity = _largest(gradient) / jnp.maximum(1.0, largest / LARGE_MULTIPLIER)
         final = terms.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
         loose = jnp.maximum(schedule.stationarity, _LOOSE_STATIONARITY)
         inner_minimum = stationarity <= jnp.where(final, schedule.stationarity, loose)

@@ -15,6 +15,8 @@ import jax.numpy as jnp
 import optax
 from jax import Array
 
+from jaxatt.optimize.small_systems import invert_spd_blocks
+
 
 class LocalModel(NamedTuple):
     """Curvature of a merit function at a point of N stages with b variables each.
@@ -37,26 +39,8 @@ class GaussNewtonState(NamedTuple):
     line_search: optax.OptState
 
 
-def _invert_spd_blocks(blocks: Array) -> Array:
-    """Invert (N, b, b) positive definite blocks by unrolled Gauss-Jordan steps.
-
-    For the few variables of a stage this is much faster than one LAPACK call a block.
-    """
-    size = blocks.shape[-1]
-    inverse = blocks
-    for k in range(size):
-        pivot = 1.0 / inverse[:, k, k]
-        row = inverse[:, k, :] * pivot[:, None]
-        column = inverse[:, :, k]
-        inverse = inverse - column[:, :, None] * row[:, None, :]
-        inverse = inverse.at[:, k, :].set(row)
-        inverse = inverse.at[:, :, k].set(-column * pivot[:, None])
-        inverse = inverse.at[:, k, k].set(pivot)
-    return inverse
-
-
 def _solve_low_rank(gradient: Array, model: LocalModel) -> Array:
-    inverse = _invert_spd_blocks(model.blocks)
+    inverse = invert_spd_blocks(model.blocks)
     rows = model.rows * jnp.sqrt(model.weights)[:, None, None]
     scaled_gradient = jnp.einsum("kij,kj->ki", inverse, gradient)
     scaled_rows = jnp.einsum("kij,mkj->mki", inverse, rows)

@@ -17,7 +17,8 @@ Chartrand and Yin (2008), "Iteratively reweighted algorithms for compressive sen
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+import operator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,8 +26,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-Response = Callable[[Array], tuple[Array, Array]]
-"""u (S, N, b) -> rows (S, m) and their derivatives (S, m, N, b), exact or nearly so."""
+from jaxatt.optimize.small_systems import solve_spd
+from jaxatt.problems.equations import Linearise
 
 SUPPORT_THRESHOLD = 1e-3
 """Controls, in units of their scale, that count as active when the support is frozen."""
@@ -53,11 +54,11 @@ class Reweighting:
 
 
 class SparseRoot(NamedTuple):
-    """Where S starts ended.
+    """Where a start ended.
 
-    u : (S, N, b).  support : (S, N, b), 1 where control was allowed in the end.
-    residual : (S,) largest absolute hard row at the point before the last step.
-    saturated : (S,) whether a limit bound in the last step.
+    u : (N, b).  support : (N, b), 1 where control was allowed in the end.
+    residual : () largest absolute hard row at the point before the last step.
+    saturated : () whether a limit bound in the last step.
     """
 
     u: Array
@@ -73,32 +74,13 @@ class _Point(NamedTuple):
     residual: Array
 
 
-def _solve_spd(matrix: Array, rhs: Array) -> Array:
-    """Solve an (m, m) positive definite system by Gauss-Jordan steps on whole arrays.
-
-    Under `vmap` every step is one elementwise operation over the batch, which for a handful of
-    rows is much faster than a LAPACK call for each member of it.
-    """
-    table = jnp.concatenate([matrix, rhs[:, None]], axis=1)
-
-    def eliminate(k: Array, rows: Array) -> Array:
-        pivot = lax.dynamic_index_in_dim(rows, k, keepdims=False)
-        pivot = pivot / lax.dynamic_index_in_dim(pivot, k, keepdims=False)
-        column = lax.dynamic_index_in_dim(rows, k, axis=1, keepdims=False)
-        here = (jnp.arange(rows.shape[0]) == k)[:, None]
-        return jnp.where(here, pivot[None], rows - column[:, None] * pivot[None])
-
-    return lax.fori_loop(0, matrix.shape[0], eliminate, table)[:, -1]
-
-
-def _shares(matrix: Array, rhs: Array) -> Array:
-    """Solve (S, m, m) systems for (S, m), the batch axis last on the way."""
-    solve = jax.vmap(_solve_spd, in_axes=-1, out_axes=-1)
-    return solve(jnp.moveaxis(matrix, 0, -1), rhs.T).T
+def _total(values: Array) -> Array:
+    """Sum over the columns of (N, b), elementwise: the batch axis stays where it is."""
+    return functools.reduce(operator.add, (values[:, c] for c in range(values.shape[1])))
 
 
 def sparsify(
-    response: Response,
+    linearise: Linearise,
     limits: Array,
     u: Array,
     free: Array,
@@ -107,55 +89,54 @@ def sparsify(
     shared: bool,
     settings: Reweighting,
 ) -> SparseRoot:
-    """Controls with few active entries that bring the rows to zero, from S starts.
+    """Controls with few active entries that bring the rows to zero, from one start.
 
-    All starts take the same number of steps, so the batch is written out rather than left to
-    `vmap`: the roll-outs want their batch axis last, the small systems want it first.
+    Under `jax.vmap` it is fastest with the batch axis last, where every entry is contiguous.
 
     limits : (n, b), rows l with |l u[k]| <= 1 for every stage k.
-    u : (S, N, b); its pattern is what makes one start differ from another: the first weights come
+    u : (N, b); its pattern is what makes one start differ from another: the first weights come
         from it, but the first step begins at rest.  Where the support is given, the first controls.
-    free : (S, N, b), 1 where control is allowed.  importance : (N,), cost of an active stage.
-    row_weight : (S, m), inf for rows that must vanish; w for rows that cost w/2 row^2.
+    free : (N, b), 1 where control is allowed.  importance : (N,), cost of an active stage.
+    row_weight : (m,), inf for rows that must vanish; w for rows that cost w/2 row^2.
     shared : whether a stage's controls count as one.
 
     Nothing raises inside; a start that does not succeed shows in its residual.
     """
     hard = jnp.isinf(row_weight)
+    count, size = u.shape[0], row_weight.shape[0]
 
     def body(i: Array, point: _Point) -> _Point:
         deciding = i < settings.deciding
         smoothing = settings.smoothing * settings.factor**i
         squared = jnp.where(i == 0, u, point.u) ** 2
         if shared:
-            squared = jnp.broadcast_to(jnp.sum(squared, axis=-1, keepdims=True), u.shape)
+            squared = jnp.broadcast_to(_total(squared)[:, None], u.shape)
         freezing = (i == settings.deciding) & (i > 0)
         support = point.support * ((squared > SUPPORT_THRESHOLD**2) | ~freezing)
-        count = (squared + smoothing**2) * (0.5 * jnp.log1p(1.0 / smoothing**2))
+        counted = (squared + smoothing**2) * (0.5 * jnp.log1p(1.0 / smoothing**2))
         effort = jnp.sqrt(point.u**2 + settings.settled_smoothing**2)
-        weights = support * jnp.where(deciding, count / importance[None, :, None], effort)
+        weights = support * jnp.where(deciding, counted / importance[:, None], effort)
 
-        rows, jacobian = response(point.u * support)
-        loose = jnp.where(point.held[..., None], 0.0, support)
-        reached = jnp.einsum("sikc,skc->si", jacobian, point.u * loose)
-        matrix = jnp.einsum("sikc,sjkc->sij", jacobian * (weights * loose)[:, None], jacobian)
-        diagonal = jnp.diagonal(matrix, axis1=1, axis2=2)
+        loose = jnp.where(point.held[:, None], 0.0, support)
+        found = linearise(point.u * support, weights * loose, point.u * loose, ~deciding)
+        diagonal = jnp.stack([found.matrix[k, k] for k in range(size)])
         slack = jnp.where(hard, _DAMPING * diagonal, 1.0 / row_weight) + _NOTHING
-        matrix = matrix + slack[:, :, None] * jnp.eye(rows.shape[1], dtype=u.dtype)[None]
-        fresh = weights * jnp.einsum("sikc,si->skc", jacobian, _shares(matrix, reached - rows))
-        over = jnp.max(jnp.abs(jnp.einsum("skc,nc->skn", fresh, limits)), axis=-1)
+        matrix = found.matrix + slack[:, None] * jnp.eye(size, dtype=u.dtype)
+        fresh = weights * found.pullback(solve_spd(matrix, found.reached - found.rows))
+        relative = (jnp.abs(_total(fresh * row[None])) for row in limits)
+        over = functools.reduce(jnp.maximum, relative)
         return _Point(
-            fresh / jnp.maximum(1.0, over)[..., None],
+            fresh / jnp.maximum(1.0, over)[:, None],
             support,
             over > 1.0,
-            jnp.max(jnp.where(hard, jnp.abs(rows), 0.0), axis=1),
+            jnp.max(jnp.where(hard, jnp.abs(found.rows), 0.0)),
         )
 
     start = _Point(
         jnp.where(settings.deciding > 0, 0.0, u * free),
         free,
-        jnp.zeros(u.shape[:2], bool),
-        jnp.full(u.shape[:1], jnp.inf, u.dtype),
+        jnp.zeros(count, bool),
+        jnp.asarray(jnp.inf, u.dtype),
     )
     end = lax.fori_loop(0, settings.deciding + settings.settling, body, start)
-    return SparseRoot(end.u, end.support, end.residual, jnp.any(end.held, axis=1))
+    return SparseRoot(end.u, end.support, end.residual, jnp.any(end.held))

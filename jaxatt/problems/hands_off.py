@@ -16,6 +16,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.problems import sparsity
+from jaxatt.problems.equations import Equations, Linearise, from_response
 from jaxatt.problems.program import Program
 from jaxatt.problems.staged import StagedProgram
 
@@ -52,8 +53,10 @@ class SparseSystem:
     stage_margins : (u, plant) -> (N, q), control limits, non-negative when satisfied.
     turned : (plant, sign) -> plant, aimed at the target the short (1) or the long (-1) way round.
     response : (u, plant) -> (m,) and (N, m, b), the errors that `rows` measures, in any smooth
-        measure that vanishes where they do, and their derivatives, exact or nearly so; None where
-        path constraints rule out a search that does not know them.
+        measure that vanishes where they do, and their derivatives; None where path constraints
+        rule out a search that does not know them.
+    equations : (u, weights, moved, accurate, plant) -> the same errors, linearised for a weighted
+        step with derivatives that are nearly right; None where `response` is as cheap.
     limits : plant -> (n, b), rows l of the control limits |l u[k]| <= 1.
     stages : number of controls b -> the same system interval by interval, without cost and
         without the control limits, its arguments `SparseArguments`; None where it has no such form.
@@ -64,8 +67,17 @@ class SparseSystem:
     stage_margins: Callable[[Array, Any], Array]
     turned: Callable[[Any, Array], Any] = lambda plant, sign: plant
     response: Callable[[Array, Any], tuple[Array, Array]] | None = None
+    equations: Callable[[Array, Array, Array, Array, Any], Equations] | None = None
     limits: Callable[[Any], Array] | None = None
     stages: Callable[[int], StagedProgram] | None = None
+
+    def linearise(self, plant: Any) -> Linearise:
+        """What a search by weighted steps asks the system."""
+        equations, response = self.equations, self.response
+        if equations is not None:
+            return lambda u, weights, moved, accurate: equations(u, weights, moved, accurate, plant)
+        assert response is not None
+        return from_response(lambda u: response(u, plant))
 
 
 @functools.cache

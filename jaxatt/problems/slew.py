@@ -80,16 +80,22 @@ def attitude_row(reference: Array, q: Array) -> Array:
     return 2.0 * error[1:] * jnp.sqrt(2.0 / jnp.maximum(1.0 + error[0], 1e-12))
 
 
-def fly_nodes(
-    u: Array, p: SlewParameters, form: SlewForm
-) -> tuple[momentum_model.Components, Array]:
-    """Roll-out of scaled controls: q_ib and omega_ib at the last node and at 1 to N, (N, 7)."""
-    start = tuple(p.start[i] for i in range(7))
-    momentum = tuple(p.momentum[i] for i in range(3))
+def body_torque(u: Array, p: SlewParameters) -> Array:
+    """Torque on the wheels in body axes of scaled controls, (N, 3) [N m]."""
     # Not a product of matrices: elementwise, the batch axis stays where `vmap` has put it.
     torque = u[:, :1] * p.to_body[None, :, 0]
     for c in range(1, u.shape[1]):
         torque = torque + u[:, c, None] * p.to_body[None, :, c]
+    return torque
+
+
+def fly_nodes(
+    u: Array, p: SlewParameters, form: SlewForm
+) -> tuple[momentum_model.Components, Array]:
+    """Roll-out of scaled controls: states at the last node and at 1 to N, see `rollout`."""
+    start = tuple(p.start[i] for i in range(7))
+    momentum = tuple(p.momentum[i] for i in range(3))
+    torque = body_torque(u, p)
     return momentum_model.rollout(start, momentum, torque, p.table, p.body, form.disturbed)
 
 
@@ -118,7 +124,7 @@ def terminal_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     """
     end, nodes = fly_nodes(u, p, form)
     q = jnp.stack(end[:4])
-    rows = [attitude_row(inertial_reference(p), q), rate_row(q, jnp.stack(end[4:]), p)]
+    rows = [attitude_row(inertial_reference(p), q), rate_row(q, jnp.stack(end[4:7]), p)]
     if form.has_waypoint:
         rows.append(attitude_row(inertial_waypoint(p), nodes[p.waypoint_node - 1, :4]))
     return jnp.concatenate(rows)
@@ -130,7 +136,7 @@ def wheel_speeds(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     Integral of (4.20d): J_w (omega_bw - omega_bw(0)) is the impulse on the wheel less
     J_w A' (omega_ib - omega_ib(0)).
     """
-    omega = fly_nodes(u, p, form)[1][:, 4:]
+    omega = fly_nodes(u, p, form)[1][:, 4:7]
     impulse = jnp.cumsum(u @ p.wheel_torque.T, axis=0) * p.step
     return (
         p.wheel_speed[None]

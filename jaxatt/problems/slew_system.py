@@ -5,27 +5,39 @@ from __future__ import annotations
 import functools
 from dataclasses import replace
 
+from jax import Array
+
+from jaxatt.problems.equations import Equations
 from jaxatt.problems.hands_off import SparseSystem
-from jaxatt.problems.pulse_response import exact_response, pulse_response
+from jaxatt.problems.pulse_equations import pulse_equations
 from jaxatt.problems.slew import (
     SlewForm,
+    SlewParameters,
     speed_margins,
     terminal_rows,
     torque_margins,
 )
+from jaxatt.problems.slew_response import slew_response
 from jaxatt.problems.slew_stages import slew_stages
+
+
+def _equations(
+    form: SlewForm, u: Array, weights: Array, moved: Array, accurate: Array, p: SlewParameters
+) -> Equations:
+    return pulse_equations(u, weights, moved, accurate, p, form)
 
 
 @functools.cache
 def slew_system(form: SlewForm) -> SparseSystem:
     """The slew as a system for sparse control, with the terms of `form` compiled in."""
-    response = exact_response if form.gyroscopic else pulse_response
+    by_pulses = not (form.gyroscopic or form.speed_limited)
     return SparseSystem(
         rows=lambda u, p: terminal_rows(u, p, form),
         margins=lambda u, p: speed_margins(u, p, form),
         stage_margins=torque_margins,
         turned=lambda p, sign: replace(p, reference=p.reference * sign),
-        response=None if form.speed_limited else lambda u, p: response(u, p, form),
+        response=None if form.speed_limited else lambda u, p: slew_response(u, p, form),
+        equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,
         stages=functools.partial(slew_stages, form),
     )

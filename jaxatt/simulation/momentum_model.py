@@ -41,7 +41,8 @@ class BodyParameters:
     inverse_inertia: Array
 
 
-def _cross(a: Components, b: Components) -> Components:
+def cross(a: Components, b: Components) -> Components:
+    """a x b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -49,20 +50,21 @@ def _cross(a: Components, b: Components) -> Components:
     )
 
 
-def _matvec(matrix: Array, v: Components) -> Components:
+def matvec(matrix: Array, v: Components) -> Components:
+    """Product of a (3, 3) matrix and a vector."""
     return tuple(matrix[i, 0] * v[0] + matrix[i, 1] * v[1] + matrix[i, 2] * v[2] for i in range(3))
 
 
-def _to_body(q: Components, v: Components) -> Components:
+def to_body(q: Components, v: Components) -> Components:
     """Inertial components of a vector into body components: R(q_ib)' v."""
-    once = _cross(q[1:4], v)
-    twice = _cross(q[1:4], once)
+    once = cross(q[1:4], v)
+    twice = cross(q[1:4], once)
     return tuple(v[i] - 2.0 * (q[0] * once[i] - twice[i]) for i in range(3))
 
 
-def _to_inertial(q: Components, v: Components) -> Components:
+def to_inertial(q: Components, v: Components) -> Components:
     """Body components of a vector into inertial components: R(q_ib) v."""
-    return _to_body((-q[0], *q[1:4]), v)
+    return to_body((-q[0], *q[1:4]), v)
 
 
 def _down(q_io: Array) -> Array:
@@ -98,19 +100,19 @@ def derivative(
         0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]),
         0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]),
     )
-    turning = _cross(_to_body(q, state[7:] if disturbed else momentum), w)
+    turning = cross(to_body(q, state[7:] if disturbed else momentum), w)
     if not disturbed:
-        return q_rate + _matvec(
+        return q_rate + matvec(
             body.inverse_inertia, tuple(turning[i] - torque[i] for i in range(3))
         )
     down_i = tuple(environment.orbit_attitude[i] for i in range(3))
-    down = _to_body(q, down_i)
-    tidal = _cross(down, _matvec(body.inertia, down))
+    down = to_body(q, down_i)
+    tidal = cross(down, matvec(body.inertia, down))
     external = tuple(environment.gradient * tidal[i] + environment.disturbance[i] for i in range(3))
-    omega_rate = _matvec(
+    omega_rate = matvec(
         body.inverse_inertia, tuple(turning[i] + external[i] - torque[i] for i in range(3))
     )
-    return q_rate + omega_rate + _to_inertial(q, external)
+    return q_rate + omega_rate + to_inertial(q, external)
 
 
 def with_down(stages: Environment) -> Environment:
@@ -183,16 +185,16 @@ def rollout(
     table : environment at the stage times of every substep; its shape sets N and the substeps.
     disturbed : whether the table's external torques act (static).
 
-    Returns q_ib and omega_ib at the last node, seven scalars, and at nodes 1 to N, (N, 7).
-    The quaternion is normalised after every step.
+    Returns the state at the last node, scalars, and at nodes 1 to N, (N, n): q_ib, omega_ib and,
+    where it is disturbed, the total momentum.  The quaternion is normalised after every step.
     """
 
     def interval(carry: Components, inputs: tuple[Array, Environment]) -> tuple[Components, Array]:
         row, along = inputs
         tau = (row[0], row[1], row[2])
         end = step(carry, momentum, tau, along, table.substep, body, disturbed)
-        return end, jnp.stack(end[:7])
+        return end, jnp.stack(end)
 
     first = state + momentum if disturbed else state
     end, nodes = lax.scan(interval, first, (torque, with_down(table.stages)))
-    return end[:7], nodes
+    return end, nodes
