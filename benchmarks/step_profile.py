@@ -2,14 +2,15 @@
 
     python -m benchmarks.step_profile [--rows 64]
 
-Least of many interleaved runs: a roll-out, the roll-out with its derivatives, and a whole search
-divided by its steps.
+Least of many interleaved runs: a roll-out as the answer's, one pass that gives the linearised end,
+and a whole search divided by its steps.
 """
 
 from __future__ import annotations
 
 import argparse
 import time
+from typing import Any
 
 import jaxatt
 
@@ -23,7 +24,7 @@ from jaxatt.multistart.batch import broadcast_lanes, sparsify_lanes  # noqa: E40
 from jaxatt.multistart.polish import Method, count_arguments  # noqa: E402
 from jaxatt.multistart.starts import draw  # noqa: E402
 from jaxatt.optimize.reweighting import Reweighting  # noqa: E402
-from jaxatt.problems.pulse_response import pulse_response  # noqa: E402
+from jaxatt.problems.pulse_equations import pulse_equations  # noqa: E402
 from jaxatt.problems.slew import SlewForm, fly_nodes  # noqa: E402
 
 
@@ -38,14 +39,19 @@ def main() -> None:
     a = task.arguments
     lanes = broadcast_lanes(starts.u, a.free, a.row_weight, starts.sign)
     last, plant, steps = jnp.moveaxis(jnp.asarray(starts.u), 0, -1), a.plant, Reweighting()
-    flown, swept = (
-        jax.jit(jax.vmap(lambda u, part=part: part(u, plant, form), in_axes=-1, out_axes=-1))
-        for part in (fly_nodes, pulse_response)
-    )
+
+    def end(u: jax.Array) -> Any:
+        return fly_nodes(u, plant, form)[0]
+
+    def linearised(u: jax.Array) -> Any:
+        found = pulse_equations(u, u**2, u, jnp.asarray(False), plant, form)
+        return found.rows, found.matrix, found.pullback(found.reached)
+
+    flown, swept = (jax.jit(jax.vmap(part, in_axes=-1, out_axes=-1)) for part in (end, linearised))
     chosen, arguments = Method("l0").form(task), count_arguments(task)
     parts = {
         "roll-out": lambda: flown(last),
-        "roll-out with derivatives": lambda: swept(last),
+        "one pass, linearised": lambda: swept(last),
         "search": lambda: sparsify_lanes(chosen, lanes, arguments, steps, rows=rows),
     }
     least = dict.fromkeys(parts, float("inf"))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -180,7 +182,8 @@ def polish(
     """
     free = _free(task, supports)
     form = method.form(task)
-    solve, schedule = solve_lanes, SLACK if form.slacks else POLISH
+    solve: Callable[..., Any] = solve_lanes
+    schedule = SLACK if form.slacks else POLISH
     if method.stages_for(task):
         solve = solve_staged_lanes
     elif method.reweights_for(task) and task.goal.terminal == "reach":

@@ -37,6 +37,7 @@ and, where several controls could do the same, nothing else would bound the step
 _LARGEST_STEP = 2.0
 _SHRINKS = 0.9
 _MOST_STALLS = 25
+_HOPELESS_MULTIPLIER = 1e8
 _DAMPING = 1e-12
 _TINY = 1e-300
 
@@ -86,7 +87,8 @@ def least_effort(
     faces = jnp.concatenate([limits, -limits])
     hard = jnp.isinf(row_weight)
     compliance = jnp.where(hard, 0.0, 1.0 / row_weight)
-    fixed = jnp.eye(size, dtype=dtype) * (1.0 - free)[:, :, None]
+    eye = jnp.eye(size, dtype=dtype)[None]
+    fixed = eye * (1.0 - free)[:, :, None]
 
     def body(state: _State) -> _State:
         rows, jacobian = response(state.u)
@@ -110,9 +112,10 @@ def least_effort(
         finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
         shrunk = feasible | (violation <= _SHRINKS * state.least)
         stalls = jnp.where(shrunk, 0, state.stalls + 1)
+        hopeless = (stalls >= _MOST_STALLS) | (~feasible & (largest > _HOPELESS_MULTIPLIER))
         unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
-        unfinished = jnp.where(stalls >= _MOST_STALLS, Status.INFEASIBLE, unfinished)
-        last = (state.iterations >= schedule.max_iterations) | (stalls >= _MOST_STALLS)
+        unfinished = jnp.where(hopeless, Status.INFEASIBLE, unfinished)
+        last = (state.iterations >= schedule.max_iterations) | hopeless
         status = jnp.where(
             ~finite,
             Status.NOT_FINITE,
@@ -123,11 +126,8 @@ def least_effort(
         curvature = effort_scale * jnp.maximum(bent, _CURVATURE_SHARE) / length
         blocks = jnp.einsum("kq,qi,qj->kij", curvature, effort_map, effort_map)
         blocks = blocks + jnp.einsum("kf,fi,fj->kij", state.limits / room, faces, faces)
-        inverse = invert_spd_blocks(
-            blocks * free[:, :, None] * free[:, None]
-            + fixed
-            + _DAMPING * jnp.eye(size, dtype=dtype)
-        )
+        blocks = blocks * free[:, :, None] * free[:, None] + fixed + _DAMPING * eye
+        inverse = invert_spd_blocks(blocks)
         push = (slope + (state.barrier / room) @ faces) * free
         spread = jnp.einsum("kij,kmj->kmi", inverse, jacobian)
         matrix = jnp.einsum("kmi,kni->mn", jacobian, spread)

@@ -42,7 +42,7 @@ def _sum(terms: Iterable[Array]) -> Array:
     return functools.reduce(operator.add, terms)
 
 
-def _dot(a: Row, b: Row) -> Array:
+def _dot(a: Sequence[Array], b: Sequence[Array]) -> Array:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 

@@ -91,9 +91,10 @@ def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, A
         if form.has_waypoint:
             later = later + here * passing
         # Not a product of matrices: elementwise, the batch axis stays where `vmap` has put it.
-        swept = sum(later[:, k, None] * slope[None, k] for k in range(size))
+        swept = later[:, :1] * slope[:1]
+        for k in range(1, size):
+            swept = swept + later[:, k, None] * slope[None, k]
         return swept[:, :size], swept[:, size:]
 
     _, by_torque = lax.scan(backwards, last, (slopes, injected), reverse=True)
-    derivatives = sum(by_torque[:, :, i, None] * p.to_body[None, None, i] for i in range(3))
-    return rows, derivatives
+    return rows, by_torque @ p.to_body

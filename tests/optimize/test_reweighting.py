@@ -10,6 +10,7 @@ import pytest
 import scipy.optimize
 
 from jaxatt.optimize.reweighting import Reweighting, sparsify
+from jaxatt.problems.equations import from_response
 
 ROWS, STAGES, SIZE, STARTS = 4, 12, 2, 48
 SETTLED = Reweighting(deciding=0, settling=60, settled_smoothing=1e-6)
@@ -20,13 +21,17 @@ def run(matrix, target, u, free, row_weight, bend, shared, settings):
     """Rows A u - t + bend (A u)^2, for starts u (S, N, b); one matrix (m, N, b) for all."""
 
     def response(u):
-        product = jnp.einsum("mkc,skc->sm", matrix, u)
+        product = jnp.einsum("mkc,kc->m", matrix, u)
         slope = 1.0 + 2.0 * bend * product
-        rows = product - target[None] + bend * product**2
-        return rows, slope[:, :, None, None] * matrix[None]
+        rows = product - target + bend * product**2
+        return rows, jnp.swapaxes(slope[:, None, None] * matrix, 0, 1)
 
-    limits = jnp.eye(SIZE)
-    return sparsify(response, limits, u, free, jnp.ones(STAGES), row_weight, shared, settings)
+    def one(u, free, weight):
+        importance = jnp.ones(STAGES)
+        linearise = from_response(response)
+        return sparsify(linearise, jnp.eye(SIZE), u, free, importance, weight, shared, settings)
+
+    return jax.vmap(one)(u, free, row_weight)
 
 
 def problem(seed, size=0.3):
