@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
 import numpy as np
 
 from jaxatt import scenarios
@@ -66,11 +65,7 @@ def _flown_leg(
         verdict, cost = task.verify(controls)
         series = {"state": task.fly(controls)[0], "control": controls[0]}
         reference = {"state": np.asarray(task.parameters.target)}
-    xi = np.asarray(
-        sparsity.complementarity_vector(
-            jnp.asarray(controls[0]), jnp.asarray(task.goal.epsilon), task.shared
-        )
-    )
+    xi = sparsity.complementarity_vector(controls[0], task.goal.epsilon, task.shared)
     product = np.abs(controls[0]) * (xi[:, None] if task.shared else xi)
     starts = found.starts
     record = StartsRecord(

@@ -304,11 +304,7 @@ class SlewTask(Task):
         return parts
 
     def _support_cost(self, controls: Floats) -> Floats:
-        xi = np.asarray(
-            sparsity.complementarity_vector(
-                jnp.asarray(controls), jnp.asarray(self.goal.epsilon), self.shared
-            )
-        )
+        xi = sparsity.complementarity_vector(controls, self.goal.epsilon, self.shared)
         weight = np.asarray(self.arguments.weight)
         if not self.shared:
             weight = weight[:, None]

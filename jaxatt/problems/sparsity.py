@@ -13,6 +13,8 @@ Sources: Schaanning (2021), eqs. (3.32), (5.3), (5.5), (5.7); Candes, Wakin and 
 from __future__ import annotations
 
 import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
 from jax import Array
 
 _MAJORISER_SHARE = 0.2
@@ -57,13 +59,15 @@ def absolute_effort_curvature(u: Array, smoothing: Array) -> Array:
     return jnp.maximum(smoothing**2 * majoriser**3, _MAJORISER_SHARE * majoriser)
 
 
-def complementarity_vector(torque: Array, epsilon: Array, shared: bool = True) -> Array:
+def complementarity_vector(
+    torque: npt.ArrayLike, epsilon: float, shared: bool = True
+) -> npt.NDArray[np.float64]:
     """Largest xi in [0, 1] with |xi torque| <= epsilon, the optimum of (5.3) for a given torque.
 
-    torque : (..., N, b) [N m].  epsilon : () [N m].
+    torque : (..., N, b) [N m].  epsilon : [N m].
     Returns (..., N) for shared complementarity (design 1), (..., N, b) otherwise (5.14).
     """
-    size = jnp.abs(torque)
+    size = np.abs(np.asarray(torque, float))
     if shared:
-        size = jnp.max(size, axis=-1)
-    return jnp.minimum(1.0, epsilon / jnp.maximum(size, epsilon))
+        size = size.max(axis=-1)
+    return np.minimum(1.0, epsilon / np.maximum(size, epsilon))

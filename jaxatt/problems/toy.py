@@ -189,8 +189,8 @@ class ToyTask(Task):
         """The L1 norm as an integral, or the relaxed count of section 3.7.5."""
         if self.goal.kind == "l1":
             return {"l1": self.effort(controls)}
-        xi = sparsity.complementarity_vector(jnp.asarray(controls), jnp.asarray(self.goal.epsilon))
-        return {"sparsity": np.asarray(1.0 - xi).sum(axis=1)}
+        xi = sparsity.complementarity_vector(controls, self.goal.epsilon)
+        return {"sparsity": (1.0 - xi).sum(axis=1)}
 
     def long_way_probability(self) -> float:
         """There is no other way round."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import jax
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -19,6 +20,7 @@ from jaxatt.report.timeline import Timeline, timeline
 ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
 AXES = ("x", "y", "z")
 _RPM = 60.0 / (2.0 * np.pi)
+_euler = jax.jit(euler.from_quaternion)
 
 
 def shade(axes: Axes, result: Result, legend: bool = True) -> None:
@@ -60,15 +62,15 @@ def shade(axes: Axes, result: Result, legend: bool = True) -> None:
 def euler_angles(axes: Axes, result: Result) -> None:
     """Roll, pitch and yaw with dotted references."""
     line = timeline(result)
-    angles = np.unwrap(np.asarray(euler.from_quaternion(line.nodes["q_ob"])), axis=0)
+    angles = np.unwrap(np.asarray(_euler(line.nodes["q_ob"])), axis=0)
     _lines(axes, line.time, np.degrees(angles), ANGLES)
     for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
-        wanted = np.asarray(euler.from_quaternion(leg.reference["q_ob"]))
+        wanted = np.asarray(_euler(leg.reference["q_ob"]))
         at_end = angles[np.searchsorted(line.time, end - 1e-9)]
         _references(axes, start, end, np.degrees(_nearest_turn(wanted, at_end)))
     waypoint = result.scenario.waypoint
     if waypoint is not None:
-        wanted = np.asarray(euler.from_quaternion(waypoint.q_ob))
+        wanted = np.asarray(_euler(waypoint.q_ob))
         now = angles[np.searchsorted(line.time, waypoint.time - 1e-9)]
         for index, angle in enumerate(np.degrees(_nearest_turn(wanted, now))):
             label = "waypoint" if index == 0 else None

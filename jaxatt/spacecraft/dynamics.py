@@ -34,6 +34,7 @@ def relative_rate(state: AttitudeState, environment: Environment) -> Array:
     return state.omega_ib - quaternion.rotate_inverse(state.q_ob, environment.orbit_rate)
 
 
+@jax.jit
 def at_relative_rate(
     q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
 ) -> AttitudeState:
