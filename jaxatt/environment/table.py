@@ -15,6 +15,7 @@ from jax import Array
 
 from jaxatt.environment import frames, kepler, orbit
 from jaxatt.environment.sinusoidal import sinusoidal_torque
+from jaxatt.runtime import QUICK_TO_COMPILE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
 
@@ -79,7 +80,7 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     )
 
 
-_on_grid = jax.jit(environment_at)
+_on_grid = jax.jit(environment_at, compiler_options=QUICK_TO_COMPILE)
 
 
 def _without_jumps(q: np.ndarray) -> np.ndarray:

@@ -26,6 +26,7 @@ from jaxatt.problems.hands_off import (
 )
 from jaxatt.problems.program import Program
 from jaxatt.problems.task import Floats
+from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import CHUNK, Progress, in_chunks
 
 
@@ -75,11 +76,8 @@ def placed(form: Form, lane: Lanes, arguments: SparseArguments) -> SparseArgumen
 _EARLY_ITERATIONS = 16
 """Most lanes of a polish have ended by then."""
 
-_QUICKLY = {"xla_llvm_disable_expensive_passes": True}
-"""Compiler options for a large program that runs for less time than it compiles."""
 
-
-@functools.partial(jax.jit, static_argnames=("form",), compiler_options=_QUICKLY)
+@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
 def _solve_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:
@@ -121,7 +119,7 @@ def _sparsify_chunk(
     return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, -1, 0), found)
 
 
-@functools.partial(jax.jit, static_argnames=("form",))
+@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
 def _effort_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import jax
@@ -16,6 +17,7 @@ from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
 from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
+from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.momentum_model import BodyParameters
@@ -90,7 +92,7 @@ def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
     return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
 
 
-@jax.jit
+@functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
 def _fly_many(
     craft: Spacecraft, start: AttitudeState, wheel_torque: Array, table: EnvironmentTable
 ) -> Trajectory:
