@@ -5,6 +5,8 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
+from jaxatt.attitude.components import Scalar, Vector
+from jaxatt.attitude.components import matvec as matvec_of_components
 from jaxatt.attitude.vectors import broadcast_batch, cross, dot, floating, matvec
 from jaxatt.environment.orbit import MU_EARTH
 
@@ -39,3 +41,11 @@ def gravity_gradient_torque(
     strength = 3 * (mu / squared) / jnp.sqrt(squared)
     torque, strength = broadcast_batch(cross(c3, matvec(inertia, c3)), strength)
     return strength * torque
+
+
+def tidal_torque(down: Vector, gradient: Scalar, inertia: jax.Array) -> Vector:
+    """The same torque inside a loop.
+
+    down : the orbit z axis in body axes.  gradient : 3 mu / |r|^3 [1/s^2].  inertia : (3, 3).
+    """
+    return down.cross(matvec_of_components(inertia, down)) * gradient
