@@ -76,17 +76,13 @@ def simulate(
         scenario=flight,
         law=name,
         flown=flown,
-        reference=np.stack([np.asarray(p) for p in _recorded(shared.reference.attitude)], axis=-1),
+        reference=np.asarray(shared.ends[1].attitude.array),
         spread=drawn,
         seed=number,
         time={"compile": compiling, "simulate": max(0.0, total - compiling)},
         device=str(jax.devices()[0].device_kind),
         versions=versions(),
     )
-
-
-def _recorded(attitude: object) -> list[np.ndarray]:
-    return [np.asarray(leaf)[:, -1] for leaf in jax.tree.leaves(attitude)]
 
 
 def _law(flight: FlightScenario, law: str | FeedbackLaw | None) -> tuple[str, FeedbackLaw]:

@@ -89,9 +89,32 @@ class Vector:
         return jnp.maximum(jnp.maximum(jnp.abs(self.x), jnp.abs(self.y)), jnp.abs(self.z))
 
 
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Matrix:
+    """Three rows."""
+
+    rows: tuple[Vector, Vector, Vector]
+
+    @classmethod
+    def of(cls, array: Any) -> Matrix:
+        """From an array (..., 3, 3)."""
+        matrix = jnp.asarray(array)
+        return cls(
+            (
+                Vector.of(matrix[..., 0, :]),
+                Vector.of(matrix[..., 1, :]),
+                Vector.of(matrix[..., 2, :]),
+            )
+        )
+
+    def __matmul__(self, v: Vector) -> Vector:
+        return Vector(*(row.dot(v) for row in self.rows))
+
+
 def matvec(matrix: Array, v: Vector) -> Vector:
     """Matrix (3, 3) times vector."""
-    return Vector(*(matrix[i, 0] * v.x + matrix[i, 1] * v.y + matrix[i, 2] * v.z for i in range(3)))
+    return Matrix.of(matrix) @ v
 
 
 @jax.tree_util.register_dataclass

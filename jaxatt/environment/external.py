@@ -8,7 +8,7 @@ from typing import NamedTuple
 import jax
 from jax import Array
 
-from jaxatt.attitude.components import Quaternion, Scalar, Vector
+from jaxatt.attitude.components import Matrix, Quaternion, Scalar, Vector
 from jaxatt.environment.aerodynamic_drag import Drag
 from jaxatt.environment.eddy_currents import EddyCurrents
 from jaxatt.environment.gravity_gradient import tidal_torque
@@ -50,11 +50,11 @@ class ExternalTorques:
         return self.residual_dipole is not None or self.eddy_currents is not None
 
     def total(
-        self, q_ib: Quaternion, omega: Vector, along: Along, inertia: Array, dipole: Vector | None
+        self, q_ib: Quaternion, omega: Vector, along: Along, inertia: Matrix, dipole: Vector | None
     ) -> Vector:
         """Sum [N m] in body axes.
 
-        omega : omega_ib [rad/s].  inertia : (3, 3) [kg m^2].  dipole : [A m^2], of magnetorquers.
+        omega : omega_ib [rad/s].  inertia : [kg m^2].  dipole : [A m^2], of magnetorquers.
         """
         zero: Scalar = 0.0 * omega.x
         torque = Vector(zero, zero, zero)

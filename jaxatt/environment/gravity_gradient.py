@@ -5,8 +5,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
-from jaxatt.attitude.components import Scalar, Vector
-from jaxatt.attitude.components import matvec as matvec_of_components
+from jaxatt.attitude.components import Matrix, Scalar, Vector
 from jaxatt.attitude.vectors import broadcast_batch, cross, dot, floating, matvec
 from jaxatt.environment.orbit import MU_EARTH
 
@@ -43,9 +42,9 @@ def gravity_gradient_torque(
     return strength * torque
 
 
-def tidal_torque(down: Vector, gradient: Scalar, inertia: jax.Array) -> Vector:
+def tidal_torque(down: Vector, gradient: Scalar, inertia: Matrix) -> Vector:
     """The same torque inside a loop.
 
-    down : the orbit z axis in body axes.  gradient : 3 mu / |r|^3 [1/s^2].  inertia : (3, 3).
+    down : the orbit z axis in body axes.  gradient : 3 mu / |r|^3 [1/s^2].  inertia : [kg m^2].
     """
-    return down.cross(matvec_of_components(inertia, down)) * gradient
+    return down.cross(inertia @ down) * gradient

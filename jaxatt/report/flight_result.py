@@ -73,9 +73,7 @@ class FlightResult:
     def record_times(self) -> Floats:
         """Times of the records, (records,) [s]."""
         timing = self.scenario.timing
-        each = timing.samples // timing.records
-        last = np.arange(1, timing.records + 1) * each - 1
-        return np.asarray(last * timing.sampling)
+        return np.asarray(np.arange(1, timing.records + 1) * (timing.duration / timing.records))
 
     def figure(self, name: str) -> Floats:
         """A figure of every run that flew to the end: one of `jaxatt.simulation.settling.Figures`

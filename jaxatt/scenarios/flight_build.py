@@ -37,16 +37,18 @@ def build_flight(scenario: FlightScenario, plan: Plan | None = None) -> tuple[Fl
     along, nodes = _surroundings(scenario, samples * steps, steps)
     reference = _reference(scenario, plan)
 
+    each = samples // timing.records
+
     def split(tree: Any, *inner: int) -> Any:
-        size = samples // timing.records
-        return jax.tree.map(lambda x: np.asarray(x).reshape(timing.records, size, *inner), tree)
+        return jax.tree.map(lambda x: np.asarray(x).reshape(timing.records, each, *inner), tree)
 
     flight = Flight(
         nominal=scenario.vehicle,
         torques=scenario.surroundings.torques,
         along=split(along, steps, 4),
-        nodes=split(nodes),
-        reference=split(reference),
+        nodes=split(_but_last(nodes)),
+        reference=split(_but_last(reference)),
+        ends=jax.tree.map(lambda x: np.asarray(x)[each::each], (nodes, reference)),
         period=jnp.asarray(timing.sampling),
         band=Band(jnp.asarray(scenario.band), jnp.asarray(scenario.since)),
         noise=Noise(*map(jnp.asarray, scenario.noise)),
@@ -59,13 +61,17 @@ def build_flight(scenario: FlightScenario, plan: Plan | None = None) -> tuple[Fl
     return flight, Start(initial.q_ob, initial.omega_ob, initial.omega_bw)
 
 
+def _but_last(tree: Any) -> Any:
+    return jax.tree.map(lambda leaf: leaf[:-1], tree)
+
+
 def _surroundings(scenario: FlightScenario, count: int, steps: int) -> tuple[Along, Nodes]:
-    """Along (count, 4) of the Runge-Kutta steps, and nodes of the samples."""
+    """Along (count, 4) of the Runge-Kutta steps, and nodes of the samples and of the end."""
     around, step = scenario.surroundings, scenario.timing.step
     if around.orbit is None:
         half = 0.5 * step * (2 * np.arange(count)[:, None] + np.array([0, 1, 1, 2]))
         wave = jnp.asarray(around.sine * np.sin(around.frequency * half))
-        return Along(disturbance=Vector(wave, wave, wave)), inertial_nodes(count // steps)
+        return Along(disturbance=Vector(wave, wave, wave)), inertial_nodes(count // steps + 1)
     field, days = None, 0.0
     if around.epoch is not None:
         days = epoch.days_since_j2000(around.epoch)
@@ -81,11 +87,11 @@ def _surroundings(scenario: FlightScenario, count: int, steps: int) -> tuple[Alo
         jnp.asarray(around.frequency),
     )
     along, nodes = tabulate(task, around.torques, around.gravity_gradient, step, count)
-    return along, jax.tree.map(lambda leaf: leaf[:-1:steps], nodes)
+    return along, jax.tree.map(lambda leaf: leaf[::steps], nodes)
 
 
 def _reference(scenario: FlightScenario, plan: Plan | None) -> Reference:
-    asked, count = scenario.asked, scenario.timing.samples
+    asked, count = scenario.asked, scenario.timing.samples + 1
     time = scenario.timing.sampling * np.arange(count)
     on = time >= asked.since - 1e-9
     q = np.where(on[:, None], asked.q_ob, scenario.initial.q_ob)

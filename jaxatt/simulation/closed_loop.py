@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.attitude.components import Quaternion, Vector
+from jaxatt.attitude.components import Matrix, Quaternion, Scalar, Vector
 from jaxatt.attitude.vectors import inverse
 from jaxatt.control.feedback import FeedbackLaw, Measured
 from jaxatt.control.momentum_dumping import MomentumDumping
@@ -65,6 +65,7 @@ class Flight:
 
     nominal : the vehicle as the controller knows it.  torques : that act from outside.
     along : leading axes (records, samples, steps, 4).  nodes, reference : (records, samples).
+    ends : nodes and reference at the end of each record, (records,).
     period : () [s], of sampling; the torque is held over it (zero-order hold).
     dumping : None where the magnetorquers rest.
     tumbling : () [rad/s], rate above which a run counts as diverged.
@@ -77,6 +78,7 @@ class Flight:
     along: Along
     nodes: Nodes
     reference: Reference
+    ends: tuple[Nodes, Reference]
     period: Array
     band: Band
     noise: Noise
@@ -89,7 +91,7 @@ class Flight:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Recorded:
-    """A run at its records, the last sample of each; leading axes (..., records).
+    """A run at the end of each record, torques as held until then; leading axes (..., records).
 
     q_ob : (..., 4).  error : (..., 3), vector part of the error quaternion, eta >= 0.
     rate_error, omega_ob : (..., 3) [rad/s].  omega_bw : (..., n) [rad/s].
@@ -120,7 +122,8 @@ class _State(NamedTuple):
     memory: Any
     channels: tuple[Channel, ...]
     effort: Effort
-    latest: tuple[Array, ...]  # what is recorded, at the latest sample
+    driven: tuple[Array, ...]  # wheel torques held until the next sample
+    dipole: Vector
     what: Array
     ended: Array
     sample: Array
@@ -137,9 +140,9 @@ def fly(
     count = craft.wheels.count
     inertia = jnp.asarray(craft.inertia)
     without_spin = jnp.asarray(craft.inertia_without_spin)
-    body = Body(inertia, without_spin, inverse(without_spin))
+    body = Body(*map(Matrix.of, (inertia, without_spin, inverse(without_spin))))
     axes = tuple(Vector.of(jnp.asarray(craft.wheels.axes)[:, k]) for k in range(count))
-    spin_inertia = jnp.asarray(craft.wheels.inertia)
+    per_inertia = 1.0 / jnp.asarray(craft.wheels.inertia)
     known = flight.nominal.wheels
     known_axes = tuple(Vector.of(jnp.asarray(known.axes)[:, k]) for k in range(count))
     shares = tuple(Vector.of(known.allocation[k]) for k in range(count))
@@ -148,11 +151,21 @@ def fly(
     steps = jax.tree.leaves(flight.along)[0].shape[2]
     period = jnp.asarray(flight.period)
     step = period / steps
+    braking = known_inertia / period
+
+    band = flight.band
+    if flight.signal == "attitude":
+        # Sines of half the angles are watched: the loop then needs no inverse functions.
+        band = Band(jnp.sin(0.5 * band.width), band.since)
+
+    def signal(error: Quaternion, rate_error: Vector) -> tuple[Scalar, ...]:
+        watched = error.eps if flight.signal == "attitude" else rate_error
+        return (*watched.parts, watched.norm())
 
     def speeds(state: _State) -> tuple[Array, ...]:
         omega = state.motion.omega
         return tuple(
-            jnp.asarray(state.spins[k] / spin_inertia[k] - axes[k].dot(omega)) for k in range(count)
+            jnp.asarray(state.spins[k] * per_inertia[k] - axes[k].dot(omega)) for k in range(count)
         )
 
     def measure(
@@ -166,13 +179,17 @@ def fly(
         return q_ob, omega_ob, error, omega_ob - reference.rate
 
     def decide(
-        state: _State, nodes: Nodes, reference: Reference, error: Quaternion, rate_error: Vector
+        state: _State,
+        nodes: Nodes,
+        reference: Reference,
+        error: Quaternion,
+        rate_error: Vector,
+        drawn: Array | None,
     ) -> tuple[tuple[Array, ...], Any, Vector | None]:
         """Wheel torques, the law's memory and the dipole, all held until the next sample."""
         turning = speeds(state)
         omega, seen = state.motion.omega, turning
-        if flight.noisy:
-            drawn = jax.random.normal(jax.random.fold_in(key, state.sample), (3 + count,))
+        if drawn is not None:
             shake = flight.noise.rate * Vector(drawn[0], drawn[1], drawn[2])
             omega, rate_error = omega + shake, rate_error + shake
             seen = tuple(turning[k] + flight.noise.wheel_speed * drawn[3 + k] for k in range(count))
@@ -187,8 +204,8 @@ def fly(
         for k in range(count):
             most = torque_limit[k]
             # No more than brings the wheel to its speed limit within one period.
-            up = jnp.clip(known_inertia[k] * (speed_limit[k] - turning[k]) / period, -most, most)
-            down = jnp.clip(known_inertia[k] * (-speed_limit[k] - turning[k]) / period, -most, most)
+            up = jnp.clip(braking[k] * (speed_limit[k] - turning[k]), -most, most)
+            down = jnp.clip(braking[k] * (-speed_limit[k] - turning[k]), -most, most)
             driven.append(jnp.clip(shares[k].dot(wanted), down, up))
         dipole = None
         if flight.dumping is not None and nodes.field is not None:
@@ -205,10 +222,12 @@ def fly(
             dipole = flight.nominal.magnetorquers.limited(asked)
         return tuple(driven), memory, dipole
 
-    def sample(state: _State, inputs: tuple[Along, Nodes, Reference]) -> _State:
+    def sample(
+        state: _State, inputs: tuple[Along, Nodes, Reference], drawn: Array | None
+    ) -> _State:
         along, nodes, reference = inputs
-        q_ob, omega_ob, error, rate_error = measure(state, nodes, reference)
-        driven, memory, dipole = decide(state, nodes, reference, error, rate_error)
+        _, omega_ob, error, rate_error = measure(state, nodes, reference)
+        driven, memory, dipole = decide(state, nodes, reference, error, rate_error, drawn)
         torque = sum((axes[k] * driven[k] for k in range(count)), _zero(omega_ob))
         spun = sum((axes[k] * state.spins[k] for k in range(count)), _zero(omega_ob))
 
@@ -226,51 +245,69 @@ def fly(
         else:
             (motion, _), _ = lax.scan(substep, (state.motion, spun), along)
         time = state.sample * period
-        signal = error.eps.map(lambda e: 2.0 * jnp.arcsin(jnp.clip(e, -1.0, 1.0)))
-        total = 2.0 * jnp.arctan2(error.eps.norm(), error.eta)
-        if flight.signal == "rate":
-            signal, total = rate_error, rate_error.norm()
         channels = tuple(
-            follow(c, jnp.asarray(e), time, period, flight.band)
-            for c, e in zip(state.channels, (*signal.parts, total), strict=True)
+            follow(c, e, time, period, band)
+            for c, e in zip(state.channels, signal(error, rate_error), strict=True)
         )
         spins = tuple(state.spins[k] + period * driven[k] for k in range(count))
-        latest = (
-            *(q_ob.eta, *q_ob.eps.parts),
-            *error.eps.parts,
-            *rate_error.parts,
-            *omega_ob.parts,
-            *speeds(state),
-            *driven,
-            *((dipole if dipole is not None else _zero(omega_ob)).parts),
-        )
         moved = _State(
             motion,
             spins,
             memory,
             channels,
             spend(state.effort, torque, period),
-            tuple(jnp.asarray(value) for value in latest),
+            driven,
+            dipole if dipole is not None else _zero(omega_ob),
             state.what,
             state.ended,
             state.sample + 1,
         )
         return _judged(state, moved, time, flight.tumbling)
 
-    def record(state: _State, inputs: tuple[Along, Nodes, Reference]) -> tuple[_State, Array]:
-        state, _ = lax.scan(lambda s, i: (sample(s, i), None), state, inputs)
-        return state, jnp.stack(state.latest)
+    def record(
+        state: _State, inputs: tuple[tuple[Along, Nodes, Reference], tuple[Nodes, Reference]]
+    ) -> tuple[_State, Array]:
+        within, end = inputs
+        drawn = None
+        if flight.noisy:
+            # All at once: inside the loop the generator would cost more than the flight.
+            samples = state.sample + jnp.arange(within[2].held.shape[0])
+            drawn = jax.vmap(lambda k: _shaken(jax.random.fold_in(key, k), 3 + count))(samples)
+        state, _ = lax.scan(lambda s, i: (sample(s, *i), None), state, (within, drawn))
+        q_ob, omega_ob, error, rate_error = measure(state, *end)
+        row = (
+            *(q_ob.eta, *q_ob.eps.parts),
+            *error.eps.parts,
+            *rate_error.parts,
+            *omega_ob.parts,
+            *speeds(state),
+            *state.driven,
+            *state.dipole.parts,
+            *signal(error, rate_error),
+        )
+        return state, jnp.stack([jnp.asarray(value) for value in row])
 
     begun = _begin(flight, craft, start, law)
-    end, rows = lax.scan(record, begun, (flight.along, flight.nodes, flight.reference))
+    within = (flight.along, flight.nodes, flight.reference)
+    end, rows = lax.scan(record, begun, (within, flight.ends))
     sizes = (4, 3, 3, 3, count, count, 3)
-    edges = [sum(sizes[: i + 1]) for i in range(len(sizes) - 1)]
-    return Flown(
-        figures(end.channels, end.effort, flight.band),
-        end.what,
-        end.ended,
-        Recorded(*jnp.split(rows, edges, axis=1)),
-    )
+    edges = [sum(sizes[: i + 1]) for i in range(len(sizes))]
+    *recorded, errors = jnp.split(rows, edges, axis=1)
+    total = end.sample * period
+    found = figures(end.channels, end.effort, band, errors[-1], total)
+    if flight.signal == "attitude":
+        found = found._replace(rms=_angle(found.rms), final=_angle(found.final))
+    return Flown(found, end.what, end.ended, Recorded(*recorded))
+
+
+def _angle(sine: Array) -> Array:
+    """Angle [rad] of the sine of its half."""
+    return 2.0 * jnp.arcsin(jnp.clip(sine, -1.0, 1.0))
+
+
+def _shaken(key: Array, count: int) -> Array:
+    """Normal deviates (count,); 32 bits of them are plenty, and half the work."""
+    return jax.random.normal(key, (count,), jnp.float32).astype(float)
 
 
 def _zero(like: Vector) -> Vector:
@@ -281,17 +318,22 @@ def _zero(like: Vector) -> Vector:
 def _judged(before: _State, after: _State, time: Array, tumbling: Array | float) -> _State:
     """What follows a sample; a run that fails stays where it last was sound."""
     omega = after.motion.omega
-    leaves = jax.tree.leaves((after.motion, after.spins, after.memory, after.effort))
+    leaves = jax.tree.leaves((after.motion, after.spins, after.memory))
     sound = jnp.isfinite(sum(0.0 * leaf for leaf in leaves))
     tumbles = jnp.asarray(omega.dot(omega)) > tumbling**2
     now = jnp.where(sound, jnp.where(tumbles, TUMBLING, FLYING), NOT_FINITE)
     flying = before.what == FLYING
     fails = flying & (now != FLYING)
-    kept = jax.tree.map(lambda new, old: jnp.where(flying & ~fails, new, old), after, before)
-    return kept._replace(
+
+    def held(new: Any, old: Any) -> Any:
+        return jax.tree.map(lambda x, y: jnp.where(flying & ~fails, x, y), new, old)
+
+    return after._replace(
+        motion=held(after.motion, before.motion),
+        spins=held(after.spins, before.spins),
+        memory=held(after.memory, before.memory),
         what=jnp.where(fails, now, before.what),
         ended=jnp.where(fails, time, before.ended),
-        sample=after.sample,
     )
 
 
@@ -311,7 +353,8 @@ def _begin(flight: Flight, craft: Spacecraft, start: AttitudeState, law: Feedbac
         memory=jax.tree.map(lambda leaf: leaf + zero, law.initial()),
         channels=tuple(channel(zero) for _ in range(4)),
         effort=Effort(zero, Vector(zero, zero, zero)),
-        latest=tuple(zero for _ in range(16 + 2 * wheels.count)),
+        driven=tuple(zero for _ in range(wheels.count)),
+        dipole=Vector(zero, zero, zero),
         what=jnp.asarray(FLYING),
         ended=zero + jnp.inf,
         sample=jnp.asarray(0),

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.attitude.components import Quaternion, Vector, matvec
+from jaxatt.attitude.components import Matrix, Quaternion, Vector
 from jaxatt.environment.external import Along, ExternalTorques
 
 _NEXT_POINT = (0.5, 0.5, 1.0, 0.0)
@@ -31,13 +31,13 @@ class Motion(NamedTuple):
 class Body(NamedTuple):
     """What the step needs of the vehicle.
 
-    inertia : (3, 3) [kg m^2], total, for the gravity gradient.
-    without_spin : (3, 3), J_s.  inverse : (3, 3), of J_s.
+    inertia : [kg m^2], total, for the gravity gradient.
+    without_spin : J_s.  inverse : of J_s.
     """
 
-    inertia: Array
-    without_spin: Array
-    inverse: Array
+    inertia: Matrix
+    without_spin: Matrix
+    inverse: Matrix
 
 
 def runge_kutta(
@@ -60,10 +60,10 @@ def runge_kutta(
     """
 
     def rate(at: Motion, elapsed: Array, environment: Along) -> Motion:
-        momentum = matvec(body.without_spin, at.omega) + wheel_momentum + (elapsed * step) * torque
+        momentum = body.without_spin @ at.omega + wheel_momentum + (elapsed * step) * torque
         external = torques.total(at.q_ib, at.omega, environment, body.inertia, dipole)
         turning = momentum.cross(at.omega) + external - torque
-        return Motion(at.q_ib.derivative(at.omega), matvec(body.inverse, turning))
+        return Motion(at.q_ib.derivative(at.omega), body.inverse @ turning)
 
     def stage(
         carry: tuple[Motion, Motion], inputs: tuple[tuple[Array, ...], Along]

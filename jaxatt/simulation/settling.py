@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.attitude.components import Vector
+from jaxatt.attitude.components import Scalar, Vector
 
 CHANNELS = ("x", "y", "z", "total")
 
@@ -35,18 +35,14 @@ class Band:
 class Channel(NamedTuple):
     """One error signal.
 
-    crossing : [s] when it came into the band for good.  pending : 1 while it is outside.
-    outside : its size at the last sample outside.  square, samples : over the samples since it
-    settled.  ever : 1 once it was outside.  last : its latest value.
+    crossing : [s] when it came into the band for good; -1 before it was ever outside.
+    outside : its size at the last sample while it is outside, else 0.
+    square : integral of its square since it settled.
     """
 
     crossing: Array
-    pending: Array
     outside: Array
     square: Array
-    samples: Array
-    ever: Array
-    last: Array
 
 
 class Effort(NamedTuple):
@@ -62,28 +58,21 @@ class Effort(NamedTuple):
 
 def channel(zero: Array) -> Channel:
     """Before the first sample."""
-    return Channel(*(zero for _ in Channel._fields))
+    return Channel(zero - 1.0, zero, zero)
 
 
-def follow(before: Channel, error: Array, time: Array, period: Array, band: Band) -> Channel:
+def follow(before: Channel, error: Scalar, time: Array, period: Array, band: Band) -> Channel:
     """After one more sample, at `time` [s]."""
     size = jnp.abs(error)
     counts = time >= band.since - 1e-9
-    out = counts & ~(size <= band.width)
-    into = counts & (size <= band.width)
-    entered = into & (before.pending > 0.5)
+    inside = size <= band.width
+    out, entered = counts & ~inside, counts & inside & (before.outside > 0.0)
     fall = jnp.where(entered, before.outside - size, 1.0)
-    fraction = (before.outside - band.width) / jnp.where(fall > 0.0, fall, 1.0)
-    crossing = jnp.where(entered, time - period * (1.0 - fraction), before.crossing)
-    one = jnp.ones_like(size)
+    fraction = (before.outside - band.width) / fall
     return Channel(
-        crossing=crossing,
-        pending=jnp.where(out, one, jnp.where(into, 0.0 * one, before.pending)),
-        outside=jnp.where(out, size, before.outside),
-        square=jnp.where(out, 0.0, before.square + jnp.where(into, size**2, 0.0)),
-        samples=jnp.where(out, 0.0, before.samples + jnp.where(into, 1.0, 0.0)),
-        ever=jnp.where(out, one, before.ever),
-        last=error,
+        crossing=jnp.where(entered, time + period * (fraction - 1.0), before.crossing),
+        outside=jnp.where(out, size, jnp.where(counts, 0.0, before.outside)),
+        square=jnp.where(out, 0.0, before.square + jnp.where(counts, period * size * size, 0.0)),
     )
 
 
@@ -100,7 +89,7 @@ class Figures(NamedTuple):
 
     settling : (4,) [s] after the command; 0 where the channel never left the band, not a number
     where it ended outside.  always_inside : (4,), whether it never left.
-    rms : (4,), root mean square while settled.  final : (4,), at the last sample.
+    rms : (4,), root mean square while settled.  final : (4,), at the end.
     integral : () [N m s] of the norm of the torque.  peak : (3,) [N m], on the body.
     """
 
@@ -112,18 +101,27 @@ class Figures(NamedTuple):
     peak: Array
 
 
-def figures(channels: tuple[Channel, ...], effort: Effort, band: Band) -> Figures:
-    """Figures of a finished run."""
+def figures(
+    channels: tuple[Channel, ...], effort: Effort, band: Band, final: Array, end: Array
+) -> Figures:
+    """Figures of a finished run.
+
+    final : (4,), errors at the end.  end : [s], when that is.
+    """
 
     def settling(c: Channel) -> Array:
-        inside = jnp.where(c.ever > 0.5, c.crossing - band.since, 0.0 * c.crossing)
-        return jnp.where(c.pending > 0.5, jnp.nan, inside)
+        after = jnp.where(c.crossing < 0.0, 0.0, c.crossing - band.since)
+        return jnp.where(c.outside > 0.0, jnp.nan, after)
+
+    def rms(c: Channel) -> Array:
+        span = jnp.where(c.crossing < 0.0, end - band.since, end - c.crossing)
+        return jnp.sqrt(c.square / jnp.maximum(span, 1e-300))
 
     return Figures(
         settling=jnp.stack([settling(c) for c in channels]),
-        always_inside=jnp.stack([c.ever < 0.5 for c in channels]),
-        rms=jnp.stack([jnp.sqrt(c.square / jnp.maximum(c.samples, 1.0)) for c in channels]),
-        final=jnp.stack([c.last for c in channels]),
+        always_inside=jnp.stack([(c.crossing < 0.0) & (c.outside <= 0.0) for c in channels]),
+        rms=jnp.stack([rms(c) for c in channels]),
+        final=final,
         integral=effort.integral,
         peak=effort.peak.array,
     )
