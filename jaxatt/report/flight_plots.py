@@ -112,3 +112,23 @@ def portraits(results: Mapping[str, FlightResult]) -> Picture:
     if len(results) > 1:
         row[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8)
     return figure
+
+
+def compare(results: Mapping[str, FlightResult]) -> Picture:
+    """Nominal runs side by side: a column for each law."""
+    first = next(iter(results.values()))
+    rows = len(_series(first))
+    figure = picture(4.2 * len(results), 1.9 * rows, first.scenario.title)
+    grid = figure.subplots(rows, len(results), sharex=True, sharey="row", squeeze=False)
+    for column, (name, result) in enumerate(results.items()):
+        for axes, (label, values, names) in zip(grid[:, column], _series(result), strict=True):
+            _bands(axes, result.record_times, values[result.sound][:1], names)
+            _command(axes, result)
+            legend = axes.get_legend()
+            if column == 0:
+                axes.set_ylabel(label)
+            if column < len(results) - 1 and legend is not None:
+                legend.remove()
+        grid[0, column].set_title(result.scenario.law_titles.get(name, name), fontsize="medium")
+        grid[-1, column].set_xlabel("time [s]")
+    return figure

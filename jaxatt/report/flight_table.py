@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rich import box
@@ -11,6 +12,7 @@ from rich.text import Text
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.flight_summary import flight_summary, units
 from jaxatt.report.wording import indices_text, plural, short
+from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.settling import CHANNELS
 
 
@@ -57,3 +59,50 @@ def _caption(result: FlightResult, numbers: dict[str, Any]) -> str:
     time = ", ".join(f"{name} {value:.1f} s" for name, value in numbers["time_s"].items())
     lines.append(f"{time}; seed {result.seed}, {result.device}, float64")
     return "\n".join(lines)
+
+
+_LABELS = {
+    "settling_s": "settling [s]",
+    "settling_worst_s": "settling, slowest axis [s]",
+    "rms_deg": "settled RMS [deg]",
+    "rms_rad_s": "settled RMS [rad/s]",
+    "peak_Nm": "peak torque [N m]",
+    "integral_Nms": "integral of |torque| [N m s]",
+}
+
+
+def comparison_table(scenario: FlightScenario, lines: Sequence[Mapping[str, Any]]) -> Table:
+    """Obtained beside printed, a line a figure; what is not reproduced says why.
+
+    lines : as `jaxatt.flight_comparison.Line` holds them.
+    """
+    table = Table(
+        title=Text(f"{scenario.title}\nprinted: {scenario.source}", style="bold"),
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    for name in ("law", "figure", "obtained", "printed", ""):
+        table.add_column(name)
+    before = ""
+    for line in lines:
+        verdict = Text("")
+        if line["reproduced"] is not None:
+            away = f"{100 * line['worst']:.1f} %"
+            verdict = Text(away, style="green")
+            if not line["reproduced"]:
+                verdict = Text(f"{away}, NOT reproduced: {line['why']}", style="yellow")
+        table.add_row(
+            Text("" if line["law"] == before else line["law"]),
+            Text(_LABELS[line["figure"]]),
+            Text(_row(line["obtained"])),
+            Text("" if line["printed"] is None else _row(line["printed"])),
+            verdict,
+        )
+        before = line["law"]
+    return table
+
+
+def _row(values: Sequence[float]) -> str:
+    return "  ".join("inside" if value == -1.0 else short(value) for value in values)
