@@ -131,6 +131,9 @@ def compare(
 ) -> None:
     """Run every controller, or every law of a flight, with the printed values beside."""
     with _clean_exit():
+        if case == "hypso1-imaging":
+            _compare_imaging(out, quiet)
+            return
         if _is_flight(case):
             _compare_flight(case, seed, out, compile_cache, quiet)
             return
@@ -251,6 +254,7 @@ def list_scenarios(context: typer.Context) -> None:
     from jaxatt.scenarios import flight_titles, titles
 
     known = {**titles(), **flight_titles()}
+    known["hypso1-imaging"] = "Ground sampling distance along track: nadir pointing and slew"
     width = max(len(name) for name in known)
     for name, title in known.items():
         typer.echo(f"{name:{width}}  {title}")
@@ -264,6 +268,11 @@ def show_scenario(
     with _clean_exit():
         from jaxatt.scenarios import flight_names, flight_text, names, text
 
+        if name == "hypso1-imaging":
+            from jaxatt.imaging import imaging_text
+
+            typer.echo(imaging_text(), nl=False)
+            return
         if name in flight_names():
             typer.echo(flight_text(name), nl=False)
             return
@@ -324,6 +333,19 @@ def _compare_flight(
     if not quiet:
         _show(comparison.table())
     _finish(repr(comparison), comparison.save(folder), folder, quiet)
+
+
+def _compare_imaging(out: Path | None, quiet: bool) -> None:
+    from jaxatt.report.files import prepare_folder
+
+    folder = prepare_folder(out or Path("results") / "hypso1-imaging")
+    _prepare_jax()
+    from jaxatt.imaging import compare_imaging
+
+    found = compare_imaging()
+    if not quiet:
+        _show(found.table())
+    _finish(repr(found), found.save(folder), folder, quiet)
 
 
 def _unknown(name: str, look_up: Any) -> None:

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from jaxatt.control.eigenaxis import Eigenaxis
+from jaxatt.control.latched_min_norm import LatchedMinNorm
 from jaxatt.report import flight_plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
@@ -124,14 +126,26 @@ FIGURES: Mapping[str, Callable[[FlightResult], list[float]]] = {
     "rms_deg": lambda r: np.degrees(np.asarray(r.flown.figures.rms)[0, :3]).tolist(),
     "rms_rad_s": lambda r: np.asarray(r.flown.figures.rms)[0, :3].tolist(),
     "peak_Nm": lambda r: np.asarray(r.flown.figures.peak)[0].tolist(),
+    "settling_limit_s": lambda r: [_limit(r.scenario.laws[r.law])],
     "integral_Nms": lambda r: [float(np.asarray(r.flown.figures.integral)[0])],
 }
+
+
+def _limit(law: Any) -> float:
+    """Settling limit (31) of a latched law on one axis, whatever its high gains."""
+    low = Eigenaxis(float(law.proportional[0]), float(law.derivative[0]))
+    return low.settling_limit(0.5 * float(law.coupling))
 
 
 def _lines(flight: FlightScenario, law: str, result: FlightResult) -> list[Line]:
     printed = flight.printed.get(law, {})
     reasons = {**flight.printed.get("why", {}), **printed.get("why", {})}
-    always = ("settling_s", "rms_deg" if flight.signal == "attitude" else "rms_rad_s")
+    always: tuple[str, ...] = (
+        "settling_s",
+        "rms_deg" if flight.signal == "attitude" else "rms_rad_s",
+    )
+    if isinstance(flight.laws[law], LatchedMinNorm):
+        always = (*always, "settling_limit_s")
     wanted = [n for n in FIGURES if n in printed or n in (*always, "peak_Nm", "integral_Nms")]
     lines = []
     for name in wanted:

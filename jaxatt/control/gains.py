@@ -6,6 +6,7 @@ import dataclasses
 from typing import Any
 
 from jaxatt.control.krstic_tsiotras import KrsticTsiotras
+from jaxatt.control.latched_min_norm import LatchedMinNorm
 from jaxatt.control.min_norm import GainScheduledMinNorm, MinNorm
 from jaxatt.control.proportional_derivative import ProportionalDerivative
 from jaxatt.control.sliding_mode import SlidingMode
@@ -24,6 +25,12 @@ _SHAPES: dict[type, dict[str, tuple[int, ...]]] = {
         "derivative": (2,),
         "coupling": (),
         "threshold": (),
+    },
+    LatchedMinNorm: {
+        "inertia": (3, 3),
+        "proportional": (2,),
+        "derivative": (2,),
+        "coupling": (),
     },
     KrsticTsiotras: {"inertia": (3, 3), "first": (), "second": (), "factor": ()},
 }

@@ -13,22 +13,22 @@ from jaxatt.attitude.vectors import inverse
 from jaxatt.control.feedback import Measured
 
 
-def _direction(measured: Measured, coupling: Scalar, inertia: Array, printed: bool) -> Vector:
+def direction(measured: Measured, coupling: Scalar, inertia: Array, printed: bool) -> Vector:
     """LgV' of the Lyapunov function with bilinear coupling, eq. (15)."""
-    direction = measured.rate_error + coupling * measured.error.eps
-    return matvec(inverse(inertia), direction) if printed else direction
+    along = measured.rate_error + coupling * measured.error.eps
+    return matvec(inverse(inertia), along) if printed else along
 
 
-def _benchmark(measured: Measured, inertia: Array, kp: Scalar, kd: Scalar) -> Vector:
+def benchmark(measured: Measured, inertia: Array, kp: Scalar, kd: Scalar) -> Vector:
     """Torque on the body of the PD law, eq. (13)."""
     return -matvec(inertia, kp * measured.error.eps + kd * measured.rate_error)
 
 
-def _projected(torque: Vector, direction: Vector) -> Vector:
+def projected(torque: Vector, along: Vector) -> Vector:
     """Least torque with the same LgV u as `torque`, eq. (10)."""
-    squared = jnp.asarray(direction.dot(direction))
+    squared = jnp.asarray(along.dot(along))
     vanishes = squared <= 0.0
-    return direction * (torque.dot(direction) / jnp.where(vanishes, 1.0, squared))
+    return along * (torque.dot(along) / jnp.where(vanishes, 1.0, squared))
 
 
 @jax.tree_util.register_dataclass
@@ -57,10 +57,10 @@ class MinNorm:
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
         """Torque on the wheels."""
-        along = _direction(measured, self.coupling, self.inertia, self.printed)
-        u = _benchmark(measured, self.inertia, self.proportional, self.derivative)
+        along = direction(measured, self.coupling, self.inertia, self.printed)
+        u = benchmark(measured, self.inertia, self.proportional, self.derivative)
         on = jnp.where(jnp.asarray(along.dot(u)) < 0.0, 1.0, 0.0)
-        return -on * _projected(u, along), memory
+        return -on * projected(u, along), memory
 
 
 @jax.tree_util.register_dataclass
@@ -88,12 +88,12 @@ class GainScheduledMinNorm:
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
         """Torque on the wheels."""
-        along = _direction(measured, self.coupling, self.inertia, self.printed)
+        along = direction(measured, self.coupling, self.inertia, self.printed)
         low, high = (
-            _benchmark(measured, self.inertia, self.proportional[i], self.derivative[i])
+            benchmark(measured, self.inertia, self.proportional[i], self.derivative[i])
             for i in range(2)
         )
         on = jnp.where(jnp.asarray(along.dot(high)) < 0.0, 1.0, 0.0)
         near = jnp.where(high.largest() < self.threshold, 1.0, 0.0)
         chosen = near * high + (1.0 - near) * low
-        return -on * _projected(chosen, along), memory
+        return -on * projected(chosen, along), memory

@@ -64,6 +64,7 @@ def _caption(result: FlightResult, numbers: dict[str, Any]) -> str:
 _LABELS = {
     "settling_s": "settling [s]",
     "settling_worst_s": "settling, slowest axis [s]",
+    "settling_limit_s": "settling limit (31) [s]",
     "rms_deg": "settled RMS [deg]",
     "rms_rad_s": "settled RMS [rad/s]",
     "peak_Nm": "peak torque [N m]",

@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.krstic_tsiotras import KrsticTsiotras
+from jaxatt.control.latched_min_norm import LatchedMinNorm
 from jaxatt.control.min_norm import GainScheduledMinNorm, MinNorm
 from jaxatt.control.proportional_derivative import ProportionalDerivative
 from jaxatt.control.sliding_mode import SlidingMode
@@ -74,6 +75,10 @@ def _law(kind: str, table: Table, vehicle: Spacecraft) -> FeedbackLaw:
     for key, pair in zip(("proportional_1_s2", "derivative_1_s"), gains, strict=True):
         if not (pair > 0.0).all():
             table.fail(key, "must be greater than 0", "give the low gain, then the high one")
+    if kind == "latched":
+        return LatchedMinNorm(
+            inertia, jnp.asarray(gains[0]), jnp.asarray(gains[1]), coupling, printed
+        )
     threshold = table.number("threshold_Nm", above=0.0)
     return GainScheduledMinNorm(
         inertia, jnp.asarray(gains[0]), jnp.asarray(gains[1]), coupling, threshold, printed

@@ -52,5 +52,6 @@ LAW_KEYS: Mapping[str, tuple[str, ...]] = {
     "super-twisting": ("surface", "slope_1_s", "first_gain", "second_gain", "beta"),
     "min-norm": (*_PD, "coupling_1_s", "inverse_inertia"),
     "gain-scheduled": (*_PD, "coupling_1_s", "threshold_Nm", "inverse_inertia"),
+    "latched": (*_PD, "coupling_1_s", "inverse_inertia"),
     "krstic-tsiotras": ("first_gain_1_s", "second_gain_1_s", "factor"),
 }

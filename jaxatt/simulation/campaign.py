@@ -70,6 +70,20 @@ def _run(
     return fly(flight, craft, AttitudeState(q_ob, omega_ib, omega_bw), law, keys[5])
 
 
+_each_law = jax.jit(jax.vmap(_run, in_axes=(None, None, None, 0, None)))
+
+
+def fly_laws(flight: Flight, start: Start, laws: FeedbackLaw) -> Flown:
+    """The nominal run under each of many laws of one kind: a law whose leaves lead with an axis."""
+    begin = tuple(jnp.asarray(v) for v in (start.q_ob, start.omega_ob, start.omega_bw))
+    data, shared = jax.random.key_data(jax.random.key(0)), jax.device_put(flight)
+    count = len(jax.tree.leaves(laws)[0])
+    flown: Flown = in_chunks(
+        lambda rows: _each_law(jnp.zeros(5), shared, begin, rows, data), laws, chunk_for(count)
+    )
+    return flown
+
+
 def _other_inertia(key: Array, inertia: Array, size: Array) -> Array:
     """An inertia that a body can have: its second moments of mass, stretched."""
     moments = 0.5 * jnp.trace(inertia) * jnp.eye(3) - inertia
