@@ -89,11 +89,11 @@ def _harmonics(position: jax.Array) -> tuple[jax.Array, jax.Array]:
     """Solid harmonics V, W (15, 15, ...) up to degree 14; index [degree, order]."""
     scaled = position / REFERENCE_RADIUS
     squared = jnp.sum(scaled**2, axis=-1)
-    x, y, z = (scaled[..., i] / squared for i in range(3))
-    rho = 1.0 / squared
+    x, y, z = (scaled[None, ..., i] / squared[None] for i in range(3))
+    rho = 1.0 / squared[None]
     size = _DEGREE + 2
     orders = np.arange(size).reshape(-1, *([1] * squared.ndim))
-    first = jnp.where(orders == 0, jnp.sqrt(rho), 0.0)
+    first = jnp.where(orders == 0, jnp.sqrt(rho), 0.0 * rho)
     nothing = jnp.zeros_like(first)
 
     def degree(

@@ -14,7 +14,7 @@ from jax import Array
 from jaxatt.attitude import quaternion
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.gains import check_gains
-from jaxatt.simulation.chunks import Progress, chunk_for, in_chunks
+from jaxatt.simulation.chunks import Progress, chunk_for, in_chunks, workers
 from jaxatt.simulation.closed_loop import Flight, Flown, fly
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft
@@ -131,7 +131,8 @@ def fly_runs(
     shared = jax.device_put(flight)
     begin = tuple(jnp.asarray(v) for v in (start.q_ob, start.omega_ob, start.omega_bw))
     gains = jax.tree.map(jnp.asarray, law)
-    rows = min(chunk_for(runs), max(1, 1 << (runs - 1).bit_length()))
+    # Few sizes of chunks, so that other numbers of runs find the program compiled.
+    rows = 1 if runs == 1 else 16 if runs <= 32 else chunk_for(max(runs, 64 * workers()))
     flown: Flown = in_chunks(
         lambda chunk: _runs(sizes, shared, begin, gains, chunk), data, rows, progress
     )

@@ -319,7 +319,7 @@ def _judged(before: _State, after: _State, time: Array, tumbling: Array | float)
     """What follows a sample; a run that fails stays where it last was sound."""
     omega = after.motion.omega
     leaves = jax.tree.leaves((after.motion, after.spins, after.memory))
-    sound = jnp.isfinite(sum(0.0 * leaf for leaf in leaves))
+    sound = jnp.isfinite(sum(jnp.sum(0.0 * leaf) for leaf in leaves))
     tumbles = jnp.asarray(omega.dot(omega)) > tumbling**2
     now = jnp.where(sound, jnp.where(tumbles, TUMBLING, FLYING), NOT_FINITE)
     flying = before.what == FLYING
