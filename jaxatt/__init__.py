@@ -3,15 +3,20 @@
 from jaxatt import scenarios
 from jaxatt.certificate import Certificate, certify
 from jaxatt.comparison import compare
+from jaxatt.flight_comparison import FlightComparison, compare_flight
 from jaxatt.minimization import Minimum, minimize
 from jaxatt.report.archive import open_archive
+from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Leg, Result
 from jaxatt.runtime import configure
 from jaxatt.scenarios import Scenario, ScenarioError
+from jaxatt.simulating import simulate
 from jaxatt.solving import solve
 
 __all__ = [
     "Certificate",
+    "FlightComparison",
+    "FlightResult",
     "Leg",
     "Minimum",
     "Result",
@@ -19,9 +24,11 @@ __all__ = [
     "ScenarioError",
     "certify",
     "compare",
+    "compare_flight",
     "configure",
     "minimize",
     "open_archive",
     "scenarios",
+    "simulate",
     "solve",
 ]

@@ -1,7 +1,7 @@
-"""The command line: solve a scenario, compare controllers, certify an answer, list scenarios.
+"""The command line: solve, simulate, compare, certify, list scenarios.
 
-Exit codes: 0 when every leg verifiably reached its target, 2 for bad input, 3 when the answer
-does not reach, 130 when interrupted.
+Exit codes: 0 when every leg verifiably reached its target or every run flew to the end, 2 for bad
+input, 3 when an answer does not reach or a run failed, 130 when interrupted.
 """
 
 from __future__ import annotations
@@ -50,6 +50,9 @@ app.add_typer(bundled, name="scenarios")
 
 Case = Annotated[
     str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled scenario or a TOML file.")
+]
+Flight = Annotated[
+    str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled flight or a TOML file.")
 ]
 Starts = Annotated[
     int | None, typer.Option(min=1, help="Number of starts.", show_default="the scenario's")
@@ -126,8 +129,14 @@ def compare(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run PD, L1, L0 and moving L0, and print the table with the printed values beside."""
+    """Run every controller, or every law of a flight, with the printed values beside."""
     with _clean_exit():
+        if case == "hypso1-imaging":
+            _compare_imaging(out, quiet)
+            return
+        if _is_flight(case):
+            _compare_flight(case, seed, out, compile_cache, quiet)
+            return
         scenario, folder = _prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
         _prepare_jax(compile_cache)
         from jaxatt.comparison import compare as run
@@ -143,6 +152,54 @@ def compare(
             for kind, result in comparison.results.items():
                 if not result.reached:
                     typer.echo(f"{kind}: {_shortfall(result)}", err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+@app.command()
+def simulate(
+    case: Flight,
+    law: Annotated[
+        str | None,
+        typer.Option(help="A law of the flight.", show_default="its first one"),
+    ] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Runs, spread as the flight says.", show_default="the nominal one alone"
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the runs.", show_default="the flight's")
+    ] = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Fly a feedback law, once or in a campaign of thousands of runs."""
+    with _clean_exit():
+        from jaxatt.report.files import prepare_folder
+        from jaxatt.scenarios.flight_catalog import load_flight
+
+        _prepare_jax(compile_cache)
+        flight = load_flight(case)
+        folder = prepare_folder(out or Path("results") / flight.name)
+        from jaxatt.progress import Reporter
+        from jaxatt.report.flight_table import flight_table
+        from jaxatt.simulating import simulate as run
+
+        with Reporter(runs or 1, quiet) as report:
+            result = run(flight, law, runs=runs, seed=seed, report=report)
+        if not quiet:
+            _show(flight_table(result))
+        _finish(repr(result), result.save(folder), folder, quiet)
+        if not result.sound.all():
+            failed = {words: len(rows) for words, rows in result.failures.items()}
+            typer.echo(
+                "; ".join(
+                    f"{number} of {result.runs}: {words}" for words, number in failed.items()
+                ),
+                err=True,
+            )
             raise typer.Exit(NOT_REACHED)
 
 
@@ -194,9 +251,10 @@ def list_scenarios(context: typer.Context) -> None:
     """List the bundled scenarios with a line each."""
     if context.invoked_subcommand is not None:
         return
-    from jaxatt.scenarios import titles
+    from jaxatt.scenarios import flight_titles, titles
 
-    known = titles()
+    known = {**titles(), **flight_titles()}
+    known["hypso1-imaging"] = "Ground sampling distance along track: nadir pointing and slew"
     width = max(len(name) for name in known)
     for name, title in known.items():
         typer.echo(f"{name:{width}}  {title}")
@@ -208,8 +266,16 @@ def show_scenario(
 ) -> None:
     """Print a bundled scenario as TOML, to be changed and solved."""
     with _clean_exit():
-        from jaxatt.scenarios import names, text
+        from jaxatt.scenarios import flight_names, flight_text, names, text
 
+        if name == "hypso1-imaging":
+            from jaxatt.imaging import imaging_text
+
+            typer.echo(imaging_text(), nl=False)
+            return
+        if name in flight_names():
+            typer.echo(flight_text(name), nl=False)
+            return
         if name not in names():
             _unknown(name, text)
         typer.echo(text(name), nl=False)
@@ -238,6 +304,48 @@ def _prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Sce
     if given:
         scenario = scenarios.replace(scenario, given)
     return scenario, prepare_folder(out or Path("results") / scenario.name)
+
+
+def _is_flight(case: str) -> bool:
+    """Whether a name or file is a flight, which has laws, rather than a manoeuvre to solve."""
+    from jaxatt.scenarios import flight_names, names
+    from jaxatt.scenarios.documents import read_file
+
+    if case in (*names(), *flight_names()):
+        return case not in names()
+    return Path(case).is_file() and "laws" in read_file(Path(case))
+
+
+def _compare_flight(
+    case: str, seed: int | None, out: Path | None, cache: Path | None, quiet: bool
+) -> None:
+    from jaxatt.report.files import prepare_folder
+
+    _prepare_jax(cache)
+    from jaxatt.flight_comparison import compare_flight
+    from jaxatt.progress import Reporter
+    from jaxatt.scenarios import load_flight
+
+    flight = load_flight(case)
+    folder = prepare_folder(out or Path("results") / flight.name)
+    with Reporter(len(flight.laws), quiet) as report:
+        comparison = compare_flight(flight, seed, report)
+    if not quiet:
+        _show(comparison.table())
+    _finish(repr(comparison), comparison.save(folder), folder, quiet)
+
+
+def _compare_imaging(out: Path | None, quiet: bool) -> None:
+    from jaxatt.report.files import prepare_folder
+
+    folder = prepare_folder(out or Path("results") / "hypso1-imaging")
+    _prepare_jax()
+    from jaxatt.imaging import compare_imaging
+
+    found = compare_imaging()
+    if not quiet:
+        _show(found.table())
+    _finish(repr(found), found.save(folder), folder, quiet)
 
 
 def _unknown(name: str, look_up: Any) -> None:

@@ -18,7 +18,7 @@ from rich.progress import (
 _SECONDS_BETWEEN_LINES = 2.0
 """Between lines of the same stage, where there is no terminal that could show a bar."""
 
-_COUNTED = ("deciding", "polishing")
+_COUNTED = ("deciding", "polishing", "flying")
 """Stages that treat every start once; how much others will have to do is not known."""
 
 

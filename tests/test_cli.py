@@ -35,7 +35,8 @@ def test_scenarios_are_listed_with_a_line_each():
     found = run("scenarios")
     assert found.exit_code == 0
     lines = found.output.splitlines()
-    assert [line.split()[0] for line in lines] == list(scenarios.names())
+    bundled = [*scenarios.names(), *scenarios.flight_names(), "hypso1-imaging"]
+    assert [line.split()[0] for line in lines] == bundled
     assert "Multiple-axis slew to (90, 45, 15) deg" in found.output
 
 

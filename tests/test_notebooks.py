@@ -12,6 +12,7 @@ import pytest
 
 NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 STUDY = NOTEBOOKS / "maximum_hands_off.py"
+FEEDBACK = NOTEBOOKS / "feedback_laws.py"
 CELL_TIMEOUT_S = 600
 
 # Read back from the notebook's own variables, in a last cell that only the test adds.
@@ -78,7 +79,7 @@ def outputs(notebook: Any, kind: str) -> list[str]:
 
 
 def test_every_notebook_is_run_here() -> None:
-    assert sorted(NOTEBOOKS.glob("*.py")) == [STUDY]
+    assert sorted(NOTEBOOKS.glob("*.py")) == [FEEDBACK, STUDY]
 
 
 @pytest.fixture(scope="module")
@@ -169,3 +170,36 @@ def test_toys_match_what_is_known(numbers: Any) -> None:
     exact = 5.0 - 10.0**0.5
     assert toys["double-integrator l1"]["l1_effort_Nms"] == pytest.approx(exact, rel=1e-3)
     assert 0.05 * toys["double-integrator l0"]["active_intervals"] == pytest.approx(exact, rel=0.05)
+
+
+FEEDBACK_PROBE = """
+import json
+print(json.dumps({
+    "lines": [
+        [c.scenario.name, line.law, line.figure, line.worst]
+        for c in (pointing, slewing, table_f2, table_1) for line in c.lines
+    ],
+    "tuned": [float(printed.settling[printed.chosen]), tuned.values["settling"]],
+    "campaign": campaign.summary()["settled"],
+    "gsd": imaging.fitted.altitude_km,
+}))
+"""
+
+
+@pytest.mark.slow
+def test_feedback_laws(tmp_path: Path) -> None:
+    notebook = run_notebook(FEEDBACK, tmp_path, FEEDBACK_PROBE)
+    assert len(outputs(notebook, "image/png")) >= 13
+    assert not [
+        o for c in notebook.cells for o in c.get("outputs", []) if o.get("name") == "stderr"
+    ]
+    numbers = json.loads(notebook.cells[-1]["outputs"][0]["text"])
+    worst = {tuple(line[:3]): line[3] for line in numbers["lines"]}
+    for law in ("PD", "GSTA", "SMC"):
+        assert worst["hypso1-pointing", law, "settling_s"] < 0.05, law
+    for law in ("gain-scheduled min-norm", "Krstic-Tsiotras"):
+        assert worst["microsatellite-large-slew", law, "peak_Nm"] < 0.01, law
+    printed, tuned = numbers["tuned"]
+    assert tuned < printed - 1.0
+    assert numbers["campaign"] >= 195
+    assert numbers["gsd"] == pytest.approx(554.0, abs=3.0)

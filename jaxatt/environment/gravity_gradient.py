@@ -5,6 +5,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
+from jaxatt.attitude.components import Matrix, Scalar, Vector
 from jaxatt.attitude.vectors import broadcast_batch, cross, dot, floating, matvec
 from jaxatt.environment.orbit import MU_EARTH
 
@@ -39,3 +40,11 @@ def gravity_gradient_torque(
     strength = 3 * (mu / squared) / jnp.sqrt(squared)
     torque, strength = broadcast_batch(cross(c3, matvec(inertia, c3)), strength)
     return strength * torque
+
+
+def tidal_torque(down: Vector, gradient: Scalar, inertia: Matrix) -> Vector:
+    """The same torque inside a loop.
+
+    down : the orbit z axis in body axes.  gradient : 3 mu / |r|^3 [1/s^2].  inertia : [kg m^2].
+    """
+    return down.cross(inertia @ down) * gradient

@@ -3,6 +3,14 @@
 from jaxatt.scenarios.attitudes import quaternion_from_angles
 from jaxatt.scenarios.catalog import load, names, text, titles
 from jaxatt.scenarios.fields import ScenarioError
+from jaxatt.scenarios.flight_catalog import (
+    flight_names,
+    flight_text,
+    flight_titles,
+    load_flight,
+)
+from jaxatt.scenarios.flight_loader import flight_from_mapping, replace_in_flight
+from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file, replace
 from jaxatt.scenarios.model import (
     SPACECRAFT,
@@ -27,6 +35,7 @@ __all__ = [
     "TOY_SYSTEMS",
     "Control",
     "Disturbances",
+    "FlightScenario",
     "Horizon",
     "Initial",
     "Objective",
@@ -37,14 +46,20 @@ __all__ = [
     "Target",
     "Waypoint",
     "Window",
+    "flight_from_mapping",
+    "flight_names",
+    "flight_text",
+    "flight_titles",
     "forbidden_mask",
     "from_mapping",
     "load",
     "load_file",
+    "load_flight",
     "load_vehicle",
     "names",
     "quaternion_from_angles",
     "replace",
+    "replace_in_flight",
     "text",
     "titles",
     "vehicle_names",

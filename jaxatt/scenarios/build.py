@@ -10,15 +10,13 @@ from jaxatt.environment.table import Surroundings
 from jaxatt.problems.slew_task import Aim, Departure, Grid, Passage, SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
 from jaxatt.problems.toy import ToyTask
-from jaxatt.scenarios.model import SPACECRAFT, Scenario
+from jaxatt.scenarios.model import SPACECRAFT, Orbit, Scenario
 from jaxatt.scenarios.windows import forbidden_mask, window_weights
 
 
-def surroundings_of(scenario: Scenario) -> Surroundings:
-    """Orbit and known disturbances of a spacecraft's scenario."""
-    orbit, disturbances = scenario.orbit, scenario.disturbances
-    assert orbit is not None
-    elements = KeplerianElements(
+def elements_of(orbit: Orbit) -> KeplerianElements:
+    """Keplerian elements at time zero."""
+    return KeplerianElements(
         *(
             jnp.asarray(value)
             for value in (
@@ -31,8 +29,14 @@ def surroundings_of(scenario: Scenario) -> Surroundings:
             )
         )
     )
+
+
+def surroundings_of(scenario: Scenario) -> Surroundings:
+    """Orbit and known disturbances of a spacecraft's scenario."""
+    orbit, disturbances = scenario.orbit, scenario.disturbances
+    assert orbit is not None
     return Surroundings(
-        elements,
+        elements_of(orbit),
         jnp.asarray(orbit.gravitational_parameter),
         jnp.asarray(float(disturbances.gravity_gradient)),
         jnp.asarray(disturbances.sinusoidal_torque),

@@ -45,7 +45,7 @@ def from_mapping(
     folder : Path, optional
         Where a vehicle's file is looked up; the working folder by default.
     """
-    plain = _plain(document)
+    plain = plain_values(document)
     system_names = (SPACECRAFT, *TOY_SYSTEMS)
     toy = plain.get("system", SPACECRAFT) in TOY_SYSTEMS
     top = Table(plain, origin, "", top_level_keys(SPACECRAFT_TABLES))
@@ -115,11 +115,11 @@ def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:
     """
     document = copy.deepcopy(dict(scenario.document))
     for path, value in changes.items():
-        _assign(document, path, _plain(value))
+        assign(document, path, plain_values(value))
     return from_mapping(document, origin=scenario.origin, folder=scenario.folder)
 
 
-def _assign(document: dict[str, Any], path: str, value: Any) -> None:
+def assign(document: dict[str, Any], path: str, value: Any) -> None:
     *parents, key = path.split(".")
     place: Any = document
     for part in parents:
@@ -143,10 +143,10 @@ def _assign(document: dict[str, Any], path: str, value: Any) -> None:
     place[key] = value
 
 
-def _plain(value: Any) -> Any:
+def plain_values(value: Any) -> Any:
     """Return dicts, lists and Python numbers for mappings, tuples and arrays."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain_values(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain_values(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value

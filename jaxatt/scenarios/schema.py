@@ -13,7 +13,8 @@ _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
 
 WHEEL_KEYS = ("axes", "inertia_kgm2", "torque_limit_Nm", "speed_limit_rad_s")
-VEHICLE_FILE_KEYS = ("name", "title", "source", "inertia_kgm2", "wheels")
+MAGNETORQUER_KEYS = ("dipole_limit_Am2",)
+VEHICLE_FILE_KEYS = ("name", "title", "source", "inertia_kgm2", "wheels", "magnetorquers")
 
 SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": ("use", "file", *VEHICLE_FILE_KEYS),
@@ -70,6 +71,7 @@ UNITS = {
     "_kgm2": "kg m^2",
     "_deg": "degrees",
     "_km": "kilometres",
+    "_Am2": "A m^2",
     "_Nm": "newton metres",
     "_s2": "s^2",
     "_s": "seconds",

@@ -11,14 +11,28 @@ import numpy as np
 
 from jaxatt.scenarios.documents import parse, read_file
 from jaxatt.scenarios.fields import Table
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES, VEHICLE_FILE_KEYS, WHEEL_KEYS, nearest
-from jaxatt.spacecraft import FieldError, Spacecraft, create, reaction_wheels
+from jaxatt.scenarios.schema import (
+    MAGNETORQUER_KEYS,
+    SPACECRAFT_TABLES,
+    VEHICLE_FILE_KEYS,
+    WHEEL_KEYS,
+    nearest,
+)
+from jaxatt.spacecraft import (
+    FieldError,
+    Magnetorquers,
+    Spacecraft,
+    create,
+    magnetorquers,
+    reaction_wheels,
+)
 
 _TOML_NAMES = {
     "axes": "axes",
     "inertia": "inertia_kgm2",
     "torque_limit": "torque_limit_Nm",
     "speed_limit": "speed_limit_rad_s",
+    "dipole_limit": "dipole_limit_Am2",
 }
 
 
@@ -120,9 +134,20 @@ def _build(table: Table, notes: list[str]) -> Spacecraft:
     table.text("title", " ")
     table.text("source", " ")
     try:
-        return create(table.data["inertia_kgm2"], built, name)
+        return create(table.data["inertia_kgm2"], built, name, _magnetorquers(table))
     except FieldError as error:
         table.fail(_TOML_NAMES[error.field], *_split(error))
+
+
+def _magnetorquers(table: Table) -> Magnetorquers | None:
+    if "magnetorquers" not in table:
+        return None
+    label = "[vehicle.magnetorquers]"
+    inner = Table(table.data["magnetorquers"], table.origin, label, MAGNETORQUER_KEYS)
+    try:
+        return magnetorquers(inner.require("dipole_limit_Am2", "0.5"))
+    except FieldError as error:
+        inner.fail(_TOML_NAMES[error.field], *_split(error))
 
 
 def _split(error: FieldError) -> tuple[str, str]:

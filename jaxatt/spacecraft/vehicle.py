@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
+from jaxatt.spacecraft.magnetorquers import Magnetorquers
 from jaxatt.spacecraft.wheels import Array, ReactionWheels, momentum
 
 _SYMMETRY_TOLERANCE = 1e-9
@@ -28,11 +29,14 @@ class Spacecraft:
     wheels : ReactionWheels
     name : str
         Static: two vehicles with different names are traced separately.
+    magnetorquers : Magnetorquers or None
+        None where the vehicle has none.
     """
 
     inertia: Array
     wheels: ReactionWheels
     name: str = field(default="spacecraft", metadata={"static": True})
+    magnetorquers: Magnetorquers | None = None
 
     @property
     def inertia_without_spin(self) -> Array:
@@ -64,7 +68,12 @@ def total_momentum(spacecraft: Spacecraft, omega_ib: Any, omega_bw: Any) -> jax.
     return body + momentum(spacecraft.wheels, omega_bw)
 
 
-def create(inertia: Any, wheels: ReactionWheels, name: str = "spacecraft") -> Spacecraft:
+def create(
+    inertia: Any,
+    wheels: ReactionWheels,
+    name: str = "spacecraft",
+    magnetorquers: Magnetorquers | None = None,
+) -> Spacecraft:
     """Return a checked spacecraft.
 
     Parameters
@@ -74,6 +83,8 @@ def create(inertia: Any, wheels: ReactionWheels, name: str = "spacecraft") -> Sp
     wheels : ReactionWheels
         As built by `reaction_wheels`.
     name : str
+    magnetorquers : Magnetorquers, optional
+        As built by `magnetorquers`.
 
     Raises
     ------
@@ -81,7 +92,7 @@ def create(inertia: Any, wheels: ReactionWheels, name: str = "spacecraft") -> Sp
         A `ValueError` that names the field, the value and what is allowed.
     """
     total = _inertia(inertia)
-    craft = Spacecraft(inertia=total, wheels=wheels, name=name)
+    craft = Spacecraft(total, wheels, name, magnetorquers)
     smallest = float(np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin))[0])
     if smallest <= 0.0:
         raise FieldError(

@@ -1,0 +1,121 @@
+"""What the orbit brings, tabulated once for all runs of a flight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.attitude.components import Quaternion, Vector
+from jaxatt.environment import epoch, frames, igrf, kepler, orbit, sun
+from jaxatt.environment.external import Along, ExternalTorques
+from jaxatt.environment.sinusoidal import sinusoidal_torque
+
+_STAGES = np.array([0, 1, 1, 2])  # in half steps
+_BLOCK = 8192  # instants of one evaluation
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class OrbitTask:
+    """Where the spacecraft is and what is asked of the table.
+
+    elements : at time zero.  mu : [m^3/s^2].  days : epoch of time zero, days since J2000.
+    field : coefficients at the epoch, None where no magnetism acts.
+    sun : (3,), fixed unit vector to an always shining sun, as Kristiansen (2023) has it; None for
+    the true one with eclipses.  sine : () [N m] and frequency : () [rad/s] of the known sine.
+    """
+
+    elements: kepler.KeplerianElements
+    mu: Array | float
+    days: Array | float
+    field: igrf.MagneticModel | None = None
+    sun: Array | None = None
+    sine: Array | float = 0.0
+    frequency: Array | float = 1.0
+
+
+class Nodes(NamedTuple):
+    """Frame of reference at the sampling instants.
+
+    attitude : q_io.  rate : omega_io [rad/s] in orbit axes.  field : [T] in inertial axes, or None.
+    """
+
+    attitude: Quaternion
+    rate: Vector
+    field: Vector | None
+
+
+def inertial_nodes(count: int) -> Nodes:
+    """Nodes (count,) of a flight without an orbit: the frame of reference is inertial."""
+    zero, one = jnp.zeros(count), jnp.ones(count)
+    return Nodes(Quaternion(one, Vector(zero, zero, zero)), Vector(zero, zero, zero), None)
+
+
+def evaluate(
+    task: OrbitTask, torques: ExternalTorques, tidal: bool, times: Array
+) -> tuple[Along, Nodes]:
+    """Everything at the given times (n,) [s] after the epoch."""
+    start = kepler.to_state(task.elements, task.mu)
+    r_i, v_i = orbit.propagate(*start, times, task.mu)
+    radius = jnp.linalg.norm(r_i, axis=-1)
+    days = task.days + times / epoch.SECONDS_PER_DAY
+    field = None if task.field is None else Vector.of(_field(task.field, r_i, days))
+    to_sun, light = None, None
+    if torques.solar_pressure is not None and task.sun is not None:
+        to_sun = Vector.of(jnp.broadcast_to(task.sun, r_i.shape))
+        light = jnp.ones_like(times)
+    elif torques.solar_pressure is not None:
+        direction = sun.sun_direction(days)
+        to_sun, light = Vector.of(direction), sun.visible_fraction(r_i, direction)
+    drag = torques.drag
+    along = Along(
+        down=Vector.of(-r_i / radius[:, None]) if tidal else None,
+        gradient=3.0 * task.mu / radius**3 if tidal else None,
+        air_speed=None if drag is None else drag.air_speed(Vector.of(r_i), Vector.of(v_i)),
+        sun=to_sun,
+        light=light,
+        field=field,
+        disturbance=Vector.of(sinusoidal_torque(times, task.sine, task.frequency)),
+    )
+    nodes = Nodes(
+        Quaternion.of(frames.quaternion_io(r_i, v_i)),
+        Vector.of(frames.omega_io(r_i, v_i)),
+        field,
+    )
+    return along, nodes
+
+
+def _field(model: igrf.MagneticModel, r_i: Array, days: Array) -> Array:
+    """Field (n, 3) [T] in inertial axes."""
+    angle = epoch.rotation_angle(days)
+    cos, sin, zero = jnp.cos(angle), jnp.sin(angle), jnp.zeros_like(angle)
+    x, y, z = r_i.T
+    fixed = jnp.stack([cos * x + sin * y, cos * y - sin * x, z], axis=-1)
+    bx, by, bz = igrf.field(model, fixed).T
+    return jnp.stack([cos * bx - sin * by, sin * bx + cos * by, bz + zero], axis=-1)
+
+
+_evaluated = jax.jit(evaluate, static_argnames="tidal")
+
+
+def tabulate(
+    task: OrbitTask, torques: ExternalTorques, tidal: bool, step: float, steps: int
+) -> tuple[Along, Nodes]:
+    """Along (steps, 4) at the Runge-Kutta stages, and Nodes (steps + 1,)."""
+    times = 0.5 * step * np.arange(2 * steps + 1)
+    padded = np.pad(times, (0, -len(times) % min(_BLOCK, len(times))), mode="edge")
+    blocks = [
+        jax.tree.map(np.asarray, _evaluated(task, torques, tidal, block))
+        for block in padded.reshape(-1, min(_BLOCK, len(times)))
+    ]
+    along, nodes = jax.tree.map(lambda *rows: np.concatenate(rows)[: len(times)], *blocks)
+    stages = 2 * np.arange(steps)[:, None] + _STAGES
+    return (
+        jax.tree.map(lambda leaf: leaf[stages], along),
+        jax.tree.map(lambda leaf: leaf[::2], nodes),
+    )

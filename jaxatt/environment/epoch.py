@@ -1,0 +1,46 @@
+"""Calendar time: days since J2000, decimal years and the turn of the Earth."""
+
+from __future__ import annotations
+
+import datetime as dt
+import math
+
+import jax
+import jax.numpy as jnp
+
+J2000 = dt.datetime(2000, 1, 1, 12, tzinfo=dt.UTC)
+SECONDS_PER_DAY = 86400.0
+EARTH_RATE = 7.292115146706979e-5
+"""Rate of the Earth's rotation [rad/s]."""
+
+
+def parse(text: str) -> dt.datetime:
+    """A moment such as 2020-03-20T12:00:00Z; without a zone UTC is meant.
+
+    Raises `ValueError` where the text is no moment.
+    """
+    moment = dt.datetime.fromisoformat(text)
+    return moment.replace(tzinfo=dt.UTC) if moment.tzinfo is None else moment.astimezone(dt.UTC)
+
+
+def days_since_j2000(moment: dt.datetime) -> float:
+    """Days, with UTC taken for UT1 (less than a second apart)."""
+    return (moment - J2000).total_seconds() / SECONDS_PER_DAY
+
+
+def decimal_year(moment: dt.datetime) -> float:
+    """Year with its fraction gone by."""
+    first = dt.datetime(moment.year, 1, 1, tzinfo=dt.UTC)
+    length = dt.datetime(moment.year + 1, 1, 1, tzinfo=dt.UTC) - first
+    return moment.year + (moment - first) / length
+
+
+def rotation_angle(days: jax.Array) -> jax.Array:
+    """Angle of the Earth-fixed axes from the inertial ones [rad]; `days` since J2000, any shape.
+
+    The Earth rotation angle of the IERS conventions (2010), eq. (5.15): no precession, nutation or
+    polar motion, whose part is below 0.4 deg for dates within decades of 2000.
+    """
+    whole = jnp.floor(days)
+    turns = 0.7790572732640 + 0.00273781191135448 * days + (days - whole)
+    return 2.0 * math.pi * (turns - jnp.floor(turns))

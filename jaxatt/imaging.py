@@ -1,0 +1,215 @@
+"""Ground sampling distance of a push-broom camera: nadir pointing beside a slew, table 12.2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from rich import box
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from jaxatt.attitude import quaternion
+from jaxatt.environment import epoch, kepler, orbit
+from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
+from jaxatt.report.figure import Picture, colour, picture, tidy
+from jaxatt.report.figure import save as save_figure
+from jaxatt.report.files import filling
+from jaxatt.report.rendering import as_text
+from jaxatt.report.result import Floats
+from jaxatt.report.summary import write_json
+from jaxatt.scenarios.documents import parse
+from jaxatt.scenarios.fields import Table
+from jaxatt.simulation.slew_metrics import footprints, sampling_distance
+
+NAME = "hypso1-imaging"
+
+_KEYS = (
+    "name",
+    "title",
+    "source",
+    "altitudes_km",
+    "inclination_deg",
+    "latitude_deg",
+    "duration_s",
+    "nadir_quaternion",
+    "first_angle_deg",
+    "rate_rad_s",
+    "epoch",
+    "printed_nadir_m",
+    "printed_slew_m",
+)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One altitude [km] over the ground: the frame rate [1/s] that the nadir image needs for its
+    printed distance, and the mean distance [m] of the slew at that rate."""
+
+    altitude_km: float
+    frame_rate: float
+    nadir_m: float
+    slew_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Imaging:
+    """Rows by altitude, the altitude at which both printed distances hold, and both along time.
+
+    fitted_km : [km].  time : (T,) [s].  nadir, slew : (T,) [m], at the fitted altitude.
+    """
+
+    title: str
+    source: str
+    printed: Mapping[str, float]
+    rows: tuple[Row, ...]
+    fitted: Row
+    time: Floats
+    nadir: Floats
+    slew: Floats
+
+    def table(self) -> RichTable:
+        """The comparison as a rich table."""
+        table = RichTable(
+            title=Text(f"{self.title}\nprinted: {self.source}", style="bold"),
+            caption=Text(
+                f"The nadir image fixes the frame rate; both printed distances hold together at "
+                f"{self.fitted.altitude_km:.0f} km only."
+            ),
+            box=box.SIMPLE_HEAD,
+            title_justify="left",
+            caption_justify="left",
+        )
+        for name in ("altitude [km]", "frame rate [1/s]", "nadir [m]", "slew [m]"):
+            table.add_column(Text(name), justify="right")
+        table.add_row("printed", "", f"{self.printed['nadir']:g}", f"{self.printed['slew']:g}")
+        for row in (*self.rows, self.fitted):
+            table.add_row(
+                f"{row.altitude_km:.1f}",
+                f"{row.frame_rate:.2f}",
+                f"{row.nadir_m:.1f}",
+                f"{row.slew_m:.1f}",
+            )
+        return table
+
+    def plot(self) -> Picture:
+        """Distance along time, as figure 12.9."""
+        figure = picture(8.0, 3.6, f"{self.title}\n{self.fitted.altitude_km:.0f} km")
+        axes = figure.subplots()
+        for index, (name, values) in enumerate((("nadir", self.nadir), ("slew", self.slew))):
+            axes.plot(self.time, values, color=colour(index), label=name)
+            axes.axhline(self.printed[name], color=colour(index), linestyle=":", linewidth=1.0)
+        axes.set_xlabel("time [s]")
+        axes.set_ylabel("ground sampling\ndistance [m]")
+        axes.set_ylim(bottom=0.0)
+        axes.legend(frameon=False)
+        tidy(axes)
+        return figure
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write comparison.json and the figure."""
+        with filling(folder) as partial:
+            content = {
+                "scenario": NAME,
+                "source": self.source,
+                "printed_m": dict(self.printed),
+                "rows": [asdict(row) for row in self.rows],
+                "fitted": asdict(self.fitted),
+            }
+            write_json(content, partial / "comparison.json")
+            save_figure(self.plot(), partial / "ground_sampling.png")
+        return [Path(folder) / name for name in ("comparison.json", "ground_sampling.png")]
+
+    def __repr__(self) -> str:
+        found = self.fitted
+        return (
+            f"Imaging(nadir {found.nadir_m:.1f} m and slew {found.slew_m:.1f} m at "
+            f"{found.altitude_km:.0f} km and {found.frame_rate:.2f} frames a second)"
+        )
+
+    def __str__(self) -> str:
+        return as_text(self.table())
+
+
+def imaging_text() -> str:
+    """TOML text of the bundled case."""
+    folder = resources.files("jaxatt.scenarios") / "imaging"
+    return (folder / f"{NAME}.toml").read_text(encoding="utf-8")
+
+
+def compare_imaging(document: Mapping[str, Any] | None = None) -> Imaging:
+    """Distances of table 12.2 of Kristiansen (2023) at several altitudes, on the WGS 84 ellipsoid.
+
+    document : as the bundled TOML file has it, which is taken by default.
+    """
+    data = dict(parse(imaging_text(), NAME) if document is None else document)
+    table = Table(data, NAME, "", _KEYS)
+    case = _Case(table)
+    printed = {k: table.number(f"printed_{k}_m", above=0.0) for k in ("nadir", "slew")}
+    altitudes = table.require("altitudes_km", "[500.0]")
+    rows = tuple(case.row(float(altitude), printed["nadir"]) for altitude in altitudes)
+    low, high = 300.0, 900.0
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        slower = case.row(middle, printed["nadir"]).slew_m > printed["slew"]
+        low, high = (middle, high) if slower else (low, middle)
+    fitted = case.row(high, printed["nadir"])
+    nadir, time = case.distances(high, fitted.frame_rate, slewing=False)
+    slew, _ = case.distances(high, fitted.frame_rate, slewing=True)
+    title, source = table.text("title", NAME), table.text("source", "not stated")
+    return Imaging(title, source, printed, rows, fitted, time, nadir, slew)
+
+
+class _Case:
+    def __init__(self, table: Table) -> None:
+        self.inclination = math.radians(table.number("inclination_deg", at_most=180.0))
+        self.latitude = math.radians(table.number("latitude_deg", at_most=90.0))
+        self.duration = table.number("duration_s", above=0.0)
+        offset = table.vector("nadir_quaternion", 4)
+        self.nadir = offset / np.linalg.norm(offset)
+        self.first = math.radians(table.number("first_angle_deg"))
+        self.rate = table.vector("rate_rad_s", 3)
+        self.days = epoch.days_since_j2000(epoch.parse(table.text("epoch")))
+        if abs(math.sin(self.latitude)) >= abs(math.sin(self.inclination)):
+            table.fail("latitude_deg", "is never overflown", "give a latitude below the orbit's")
+
+    def row(self, altitude_km: float, printed_nadir: float) -> Row:
+        one = float(self.distances(altitude_km, 1.0, slewing=False)[0].mean())
+        rate = one / printed_nadir
+        return Row(
+            altitude_km,
+            rate,
+            float(self.distances(altitude_km, rate, slewing=False)[0].mean()),
+            float(self.distances(altitude_km, rate, slewing=True)[0].mean()),
+        )
+
+    def distances(
+        self, altitude_km: float, frame_rate: float, *, slewing: bool
+    ) -> tuple[Floats, Floats]:
+        """Distances (T,) [m] and their times (T,) [s]; the middle lies over the latitude."""
+        flat = (POLAR_RADIUS / EQUATORIAL_RADIUS) ** 2
+        # Geocentric radius of the ellipsoid below, for a geocentric latitude.
+        sin, cos = math.sin(self.latitude), math.cos(self.latitude)
+        ground = POLAR_RADIUS / math.sqrt(sin**2 + flat * cos**2)
+        axis = ground + 1e3 * altitude_km
+        # Descending, as a morning pass of a sun-synchronous orbit.
+        along = math.pi - math.asin(sin / math.sin(self.inclination))
+        motion = float(orbit.mean_motion(axis))
+        start = along - 0.5 * motion * self.duration
+        elements = kepler.KeplerianElements(
+            *(jnp.asarray(v) for v in (axis, 0.0, self.inclination, 0.0, 0.0, start))
+        )
+        times = np.arange(0.0, self.duration, 1.0 / frame_rate)
+        q = jnp.asarray(np.broadcast_to(self.nadir, (len(times), 4)))
+        if slewing:
+            begun = quaternion.from_axis_angle(jnp.array([0.0, 1.0, 0.0]), jnp.asarray(self.first))
+            turned = quaternion.from_rotation_vector(times[:, None] * self.rate)
+            q = quaternion.multiply(begun, turned)
+        points = footprints(elements, orbit.MU_EARTH, self.days, times, q)
+        return np.asarray(sampling_distance(points)), times[:-1]

@@ -1,0 +1,24 @@
+"""Everything of a simulation in one folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from jaxatt.report.figure import save
+from jaxatt.report.files import filling
+from jaxatt.report.flight_dataset import flight_dataset
+from jaxatt.report.flight_plots import overview, phase_portrait
+from jaxatt.report.flight_result import FlightResult
+from jaxatt.report.flight_summary import flight_summary
+from jaxatt.report.summary import write_json
+
+
+def save_flight(result: FlightResult, folder: str | Path) -> list[Path]:
+    """Write summary, archive and figures; all of them appear, or none."""
+    with filling(folder) as partial:
+        write_json(flight_summary(result), partial / "summary.json")
+        flight_dataset(result).to_netcdf(partial / "flight.nc", engine="h5netcdf")
+        save(overview(result), partial / "overview.png")
+        save(phase_portrait(result), partial / "phase_portrait.png")
+        names = sorted(entry.name for entry in partial.iterdir() if entry.is_file())
+    return [Path(folder) / name for name in names]

@@ -1,0 +1,69 @@
+"""A simulation in plain numbers under stable names."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from jaxatt.report.flight_result import PERCENTILES, FlightResult
+from jaxatt.report.result import Floats
+from jaxatt.simulation.settling import CHANNELS
+
+AXES = CHANNELS[:3]
+
+
+def units(result: FlightResult) -> tuple[str, float]:
+    """Unit in which errors are shown, and the factor to it."""
+    return ("deg", math.degrees(1.0)) if result.scenario.signal == "attitude" else ("rad_s", 1.0)
+
+
+def flight_summary(result: FlightResult) -> dict[str, Any]:
+    """Percentiles over the runs that flew to the end; what failed is counted and named."""
+    unit, factor = units(result)
+    settling = result.figure("settling")
+    rms, final = factor * result.figure("rms"), factor * np.abs(result.figure("final"))
+    peak = result.figure("peak")
+    found: dict[str, Any] = {
+        "scenario": result.scenario.name,
+        "law": result.law,
+        "title": result.scenario.law_titles.get(result.law, result.law),
+        "runs": result.runs,
+        "settled": int(result.settled.sum()),
+        "not_settled": int((result.sound & ~result.settled).sum()),
+        "failed": {
+            words: {
+                "count": len(rows),
+                "runs": rows,
+                "times_s": np.asarray(result.flown.ended)[rows].tolist(),
+            }
+            for words, rows in result.failures.items()
+        },
+        "settling_s": {axis: _percentiles(settling[:, i]) for i, axis in enumerate(CHANNELS)},
+        "settling_worst_s": _percentiles(result.figure("settling_worst")),
+        f"rms_{unit}": {axis: _percentiles(rms[:, i]) for i, axis in enumerate(CHANNELS)},
+        f"final_{unit}": {axis: _percentiles(final[:, i]) for i, axis in enumerate(CHANNELS)},
+        "integral_Nms": _percentiles(result.figure("integral")),
+        "peak_Nm": {axis: _percentiles(peak[:, i]) for i, axis in enumerate(AXES)},
+        "spread": None if result.spread is None else asdict(result.spread),
+        "seed": result.seed,
+        "time_s": dict(result.time),
+        "device": result.device,
+        "versions": dict(result.versions),
+        "notes": list(result.scenario.notes),
+    }
+    return found
+
+
+def _percentiles(values: Floats) -> dict[str, float | int | None]:
+    """Percentiles of the finite values; a run that never settles has none and is counted."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return {"count": 0}
+    levels = np.percentile(finite, PERCENTILES)
+    named: dict[str, float | int | None] = {
+        f"p{level:g}": float(value) for level, value in zip(PERCENTILES, levels, strict=True)
+    }
+    return {"count": len(finite), "mean": float(finite.mean()), **named}

@@ -1,0 +1,93 @@
+"""From a TOML document to a checked flight."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jaxatt.scenarios import flight_tables, manoeuvre, settings
+from jaxatt.scenarios.documents import read_file
+from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.flight_laws import read_law
+from jaxatt.scenarios.flight_model import FlightScenario
+from jaxatt.scenarios.flight_schema import FLIGHT_TABLES
+from jaxatt.scenarios.loader import assign, plain_values
+from jaxatt.scenarios.vehicles import read_vehicle
+
+
+def load_flight_file(path: str | Path) -> FlightScenario:
+    """The checked flight of a TOML file; raises `ScenarioError`."""
+    path = Path(path)
+    return flight_from_mapping(read_file(path), origin=str(path), folder=path.parent)
+
+
+def flight_from_mapping(
+    document: Mapping[str, Any], *, origin: str = "flight", folder: Path | None = None
+) -> FlightScenario:
+    """The checked flight of a document with the names and units of a flight's file."""
+    data = plain_values(document)
+    top = Table(data, origin, "", ("name", "title", "source", *FLIGHT_TABLES))
+    for key in ("vehicle", "initial", "simulation", "laws"):
+        if key not in data:
+            raise ScenarioError(
+                f"{origin}: [{key}] is missing; `jaxatt scenarios show hypso1-pointing` prints a "
+                "complete file to start from"
+            )
+    notes: list[str] = []
+    vehicle = read_vehicle(data["vehicle"], origin, folder, notes)
+    orbit = settings.read_orbit(data["orbit"], origin) if "orbit" in data else None
+    around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
+    initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes)
+    asked = flight_tables.read_reference(data.get("reference", {}), origin, initial, notes)
+    if around.torques.magnetic and around.epoch is None:
+        raise ScenarioError(
+            f"{origin}: [environment] epoch: missing; magnetic torques need the date, add a line "
+            'such as epoch = "2020-03-20T12:00:00Z"'
+        )
+    signal, band, since = flight_tables.read_settling(data.get("settling", {}), origin, asked.since)
+    dumping = None
+    if "dumping" in data:
+        dumping = flight_tables.read_dumping(data["dumping"], origin, vehicle, around)
+    tables = data["laws"]
+    if not isinstance(tables, dict) or not tables:
+        top.fail("laws", "holds no law", "write [laws.NAME] and its gains below")
+    laws = {name: read_law(law, origin, name, vehicle) for name, law in tables.items()}
+    spread, runs, seed = flight_tables.read_campaign(data.get("campaign", {}), origin)
+    printed = data.get("printed", {})
+    if not isinstance(printed, dict):
+        top.fail("printed", "is not a table", "write [printed.LAW] and its keys below")
+    return FlightScenario(
+        name=top.text("name", Path(origin).stem),
+        title=top.text("title", Path(origin).stem),
+        source=top.text("source", "not stated"),
+        vehicle=vehicle,
+        surroundings=around,
+        initial=initial,
+        asked=asked,
+        timing=flight_tables.read_timing(data["simulation"], origin),
+        signal=signal,
+        band=band,
+        since=since,
+        noise=flight_tables.read_noise(data.get("noise", {}), origin),
+        dumping=dumping,
+        laws={name: law for name, (law, _) in laws.items()},
+        law_titles={name: title for name, (_, title) in laws.items()},
+        spread=spread,
+        runs=runs,
+        seed=seed,
+        printed=printed,
+        notes=tuple(notes),
+        document=data,
+        origin=origin,
+        folder=folder,
+    )
+
+
+def replace_in_flight(flight: FlightScenario, changes: Mapping[str, Any]) -> FlightScenario:
+    """A changed flight, checked like a file; names as in `jaxatt.scenarios.replace`."""
+    document = copy.deepcopy(dict(flight.document))
+    for path, value in changes.items():
+        assign(document, path, plain_values(value))
+    return flight_from_mapping(document, origin=flight.origin, folder=flight.folder)

@@ -1,0 +1,57 @@
+"""The names that a flight's file may hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from jaxatt.scenarios.schema import SPACECRAFT_TABLES
+
+_ATTITUDE = ("attitude_deg", "attitude_quaternion")
+
+FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
+    "vehicle": SPACECRAFT_TABLES["vehicle"],
+    "orbit": SPACECRAFT_TABLES["orbit"],
+    "environment": (
+        "epoch",
+        "gravity_gradient",
+        "sinusoidal_torque_Nm",
+        "sinusoidal_frequency_rad_s",
+        "sun_direction",
+        "drag",
+        "solar_pressure",
+        "residual_dipole_Am2",
+        "eddy_coefficient",
+    ),
+    "initial": (*_ATTITUDE, "rate_rad_s", "wheel_speed_rad_s"),
+    "reference": (*_ATTITUDE, "rate_rad_s", "from_s", "attitude_held", "manoeuvre"),
+    "simulation": ("duration_s", "sampling_s", "step_s", "hold", "records", "tumbling_rad_s"),
+    "settling": ("signal", "band_deg", "band_rad_s", "since_s"),
+    "noise": ("rate_rad_s", "wheel_speed_rad_s"),
+    "dumping": ("gain_1_s", "form", "wheel_speed_rad_s"),
+    "laws": (),
+    "campaign": (
+        "runs",
+        "seed",
+        "attitude_deg",
+        "rate_rad_s",
+        "inertia_percent",
+        "misalignment_deg",
+        "gain_percent",
+    ),
+    "printed": (),
+}
+
+DRAG_KEYS = ("density_kg_m3", "area_m2", "coefficient", "lever_m", "corotating")
+SOLAR_KEYS = ("irradiance_W_m2", "light_speed_m_s", "area_m2", "reflectance", "lever_m")
+
+_PD = ("proportional_1_s2", "derivative_1_s")
+LAW_KEYS: Mapping[str, tuple[str, ...]] = {
+    "pd": _PD,
+    "tracking": _PD,
+    "sliding-mode": ("surface", "slope_1_s", "gain_1_s2"),
+    "super-twisting": ("surface", "slope_1_s", "first_gain", "second_gain", "beta"),
+    "min-norm": (*_PD, "coupling_1_s", "inverse_inertia"),
+    "gain-scheduled": (*_PD, "coupling_1_s", "threshold_Nm", "inverse_inertia"),
+    "latched": (*_PD, "coupling_1_s", "inverse_inertia"),
+    "krstic-tsiotras": ("first_gain_1_s", "second_gain_1_s", "factor"),
+}

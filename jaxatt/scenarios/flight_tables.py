@@ -1,0 +1,200 @@
+"""The tables of a flight's file, one by one."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.control.momentum_dumping import MomentumDumping
+from jaxatt.environment import epoch
+from jaxatt.environment.aerodynamic_drag import Drag
+from jaxatt.environment.eddy_currents import EddyCurrents
+from jaxatt.environment.external import ExternalTorques
+from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
+from jaxatt.environment.residual_dipole import ResidualDipole
+from jaxatt.environment.solar_radiation_pressure import SolarPressure
+from jaxatt.scenarios.attitudes import read_attitude
+from jaxatt.scenarios.fields import Table
+from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
+from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
+from jaxatt.scenarios.model import Initial, Orbit
+from jaxatt.simulation.campaign import Spread
+from jaxatt.spacecraft import Spacecraft
+
+_WHOLE = 1e-6
+
+
+def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surroundings:
+    """Which torques act; all but the sine need an orbit, the magnetic ones an epoch too."""
+    table = Table(data, origin, "[environment]", FLIGHT_TABLES["environment"])
+    if orbit is None:
+        for key in table.data:
+            if not key.startswith("sinusoidal"):
+                table.fail(key, "needs an orbit", "add [orbit], or drop it")
+    drag = solar = None
+    if "drag" in table:
+        inner = Table(table.data["drag"], origin, "[environment.drag]", DRAG_KEYS)
+        drag = Drag(
+            inner.number("density_kg_m3", at_least=0.0),
+            inner.number("area_m2", at_least=0.0),
+            inner.number("coefficient", at_least=0.0),
+            jnp.asarray(inner.vector("lever_m", 3)),
+            epoch.EARTH_RATE if inner.flag("corotating") else 0.0,
+        )
+    if "solar_pressure" in table:
+        inner = Table(
+            table.data["solar_pressure"], origin, "[environment.solar_pressure]", SOLAR_KEYS
+        )
+        solar = SolarPressure(
+            inner.number("irradiance_W_m2", 1361.0, at_least=0.0),
+            inner.number("area_m2", at_least=0.0),
+            inner.number("reflectance", at_least=0.0, at_most=1.0),
+            jnp.asarray(inner.vector("lever_m", 3)),
+            inner.number("light_speed_m_s", 299792458.0, above=0.0),
+        )
+    dipole = eddy = None
+    if "residual_dipole_Am2" in table:
+        dipole = ResidualDipole(jnp.asarray(table.vector("residual_dipole_Am2", 3)))
+    if "eddy_coefficient" in table:
+        eddy = EddyCurrents(table.number("eddy_coefficient", at_least=0.0))
+    sun = None
+    if "sun_direction" in table:
+        sun = table.vector("sun_direction", 3)
+        if not np.linalg.norm(sun) > 1e-12:
+            table.fail("sun_direction", "is no direction", "give the direction to the sun")
+        sun = sun / np.linalg.norm(sun)
+    return Surroundings(
+        orbit,
+        _epoch(table),
+        table.flag("gravity_gradient"),
+        table.number("sinusoidal_torque_Nm", 0.0),
+        table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
+        sun,
+        ExternalTorques(drag, solar, dipole, eddy),
+    )
+
+
+def _epoch(table: Table) -> Any:
+    if "epoch" not in table:
+        return None
+    text = table.text("epoch")
+    try:
+        moment = epoch.parse(text)
+    except ValueError:
+        table.fail("epoch", "is no moment", 'write it as "2020-03-20T12:00:00Z"')
+    year = epoch.decimal_year(moment)
+    if not FIRST_YEAR <= year <= LAST_YEAR:
+        table.fail(
+            "epoch",
+            f"is outside the years of the field model IGRF-14, {FIRST_YEAR:.0f} to {LAST_YEAR:.0f}",
+            "give a date within",
+        )
+    return moment
+
+
+def read_reference(data: Any, origin: str, initial: Initial, notes: list[str]) -> Asked:
+    """What the laws follow."""
+    table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
+    manoeuvre = table.text("manoeuvre", " ").strip()
+    given = "attitude_deg" in table or "attitude_quaternion" in table
+    if manoeuvre and (given or "rate_rad_s" in table):
+        table.fail("manoeuvre", "given beside an attitude or rate", "keep one of them")
+    return Asked(
+        read_attitude(table, notes) if given else initial.q_ob,
+        table.vector("rate_rad_s", 3, np.zeros(3)),
+        table.number("from_s", 0.0, at_least=0.0),
+        table.flag("attitude_held", True),
+        manoeuvre,
+    )
+
+
+def read_timing(data: Any, origin: str) -> Timing:
+    """Duration, sampling and step, each a whole number of the next."""
+    table = Table(data, origin, "[simulation]", FLIGHT_TABLES["simulation"])
+    table.choice("hold", ("zero-order",), "zero-order")
+    duration = table.number("duration_s", above=0.0, example="400.0")
+    sampling = table.number("sampling_s", above=0.0, example="0.1")
+    step = table.number("step_s", sampling, above=0.0)
+    records = table.integer("records", 400)
+    for key, whole, part, of in (
+        ("sampling_s", sampling, step, "step_s"),
+        ("duration_s", duration, sampling, "sampling_s"),
+    ):
+        count = whole / part
+        if count < 1.0 - _WHOLE or abs(count - round(count)) > _WHOLE * count:
+            below = part * max(1, math.floor(count))
+            table.fail(
+                key,
+                f"is no multiple of {of} = {part:g}",
+                f"give {below:g} or {below + part:g}, or change {of}",
+            )
+    samples = round(duration / sampling)
+    fitting = max(n for n in range(1, min(records, samples) + 1) if samples % n == 0)
+    tumbling = table.number("tumbling_rad_s", 10.0, above=0.0)
+    return Timing(duration, sampling, step, fitting, tumbling)
+
+
+def read_settling(data: Any, origin: str, since: float) -> tuple[str, float, float]:
+    """Signal, band and since when."""
+    table = Table(data, origin, "[settling]", FLIGHT_TABLES["settling"])
+    signal = table.choice("signal", ("attitude", "rate"), "attitude")
+    wrong, right = (
+        ("band_rad_s", "band_deg") if signal == "attitude" else ("band_deg", "band_rad_s")
+    )
+    if wrong in table:
+        table.fail(wrong, f"given for signal = {signal}", f"give {right}")
+    if signal == "attitude":
+        width = math.radians(table.number("band_deg", 0.5, above=0.0))
+    else:
+        width = table.number("band_rad_s", above=0.0, example="4e-4")
+    return signal, width, table.number("since_s", since, at_least=0.0)
+
+
+def read_noise(data: Any, origin: str) -> tuple[float, float]:
+    """Deviations of measured rate and wheel speed [rad/s]."""
+    table = Table(data, origin, "[noise]", FLIGHT_TABLES["noise"])
+    return (
+        table.number("rate_rad_s", 0.0, at_least=0.0),
+        table.number("wheel_speed_rad_s", 0.0, at_least=0.0),
+    )
+
+
+def read_dumping(
+    data: Any, origin: str, vehicle: Spacecraft, around: Surroundings
+) -> MomentumDumping:
+    """The dumping law; it needs magnetorquers, an orbit and an epoch."""
+    table = Table(data, origin, "[dumping]", FLIGHT_TABLES["dumping"])
+    if vehicle.magnetorquers is None:
+        table.fail(
+            "gain_1_s",
+            f"momentum dumping needs magnetorquers, which the vehicle {vehicle.name} lacks",
+            "add [vehicle.magnetorquers] with dipole_limit_Am2, or drop [dumping]",
+        )
+    if around.orbit is None or around.epoch is None:
+        table.fail(
+            "gain_1_s",
+            "momentum dumping needs the Earth's magnetic field",
+            "add [orbit] and an epoch under [environment], or drop [dumping]",
+        )
+    count = vehicle.wheels.count
+    return MomentumDumping(
+        table.number("gain_1_s", above=0.0, example="1.5e-2"),
+        jnp.asarray(table.vector("wheel_speed_rad_s", count, np.zeros(count))),
+        table.choice("form", ("effective", "printed"), "effective") == "printed",
+    )
+
+
+def read_campaign(data: Any, origin: str) -> tuple[Spread, int, int]:
+    """Spread, runs and seed."""
+    table = Table(data, origin, "[campaign]", FLIGHT_TABLES["campaign"])
+    spread = Spread(
+        math.radians(table.number("attitude_deg", 0.0, at_least=0.0)),
+        table.number("rate_rad_s", 0.0, at_least=0.0),
+        table.number("inertia_percent", 0.0, at_least=0.0, at_most=50.0) / 100.0,
+        math.radians(table.number("misalignment_deg", 0.0, at_least=0.0, at_most=45.0)),
+        table.number("gain_percent", 0.0, at_least=0.0, at_most=50.0) / 100.0,
+    )
+    return spread, table.integer("runs", 1000), table.integer("seed", 0, at_least=0)

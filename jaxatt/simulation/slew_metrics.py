@@ -1,0 +1,58 @@
+"""How well a slew was held, and how densely it samples the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import jax
+import jax.numpy as jnp
+from jax.typing import ArrayLike
+
+from jaxatt.attitude import errors, quaternion
+from jaxatt.environment import ellipsoid, epoch, frames, kepler, orbit
+
+
+def rmsd(values: ArrayLike, reference: ArrayLike) -> jax.Array:
+    """Root-mean-square deviation of each component over time; Kristiansen (2023), eq. (12.4).
+
+    values, reference : (T, ...), in one unit, which the result (...) has.
+    """
+    difference = jnp.asarray(reference) - jnp.asarray(values)
+    return jnp.sqrt(jnp.mean(difference**2, axis=0))
+
+
+def quaternion_accuracy(q: ArrayLike, q_ref: ArrayLike) -> tuple[jax.Array, jax.Array]:
+    """Mean distance of attitudes (T, 4) from a reference, as printed and as an angle [rad].
+
+    The first is the mean of arccos |q' q_ref|, Kristiansen (2023), eq. (12.5), which is half the
+    angle of rotation; the second is the mean angle itself, twice that.
+    """
+    angle = jnp.mean(errors.angle(q_ref, q))
+    return 0.5 * angle, angle
+
+
+def footprints(
+    elements: kepler.KeplerianElements,
+    mu: ArrayLike,
+    days: ArrayLike,
+    times: ArrayLike,
+    q_ob: ArrayLike,
+    boresight: Sequence[float] = (0.0, 0.0, 1.0),
+) -> jax.Array:
+    """Where a camera looks, (T, 3) [m] in Earth-fixed axes on the WGS 84 ellipsoid.
+
+    days : epoch of the elements, since J2000.  times : (T,) [s] after it.
+    q_ob : (T, 4).  boresight : (3,), in body axes.
+    """
+    times = jnp.asarray(times)
+    r_i, v_i = orbit.propagate(*kepler.to_state(elements, mu), times, mu)
+    q_ib = quaternion.multiply(frames.quaternion_io(r_i, v_i), q_ob)
+    looking = quaternion.rotate(q_ib, jnp.broadcast_to(jnp.asarray(boresight), r_i.shape))
+    angle = epoch.rotation_angle(jnp.asarray(days) + times / epoch.SECONDS_PER_DAY)
+    turn = quaternion.from_axis_angle(jnp.array([0.0, 0.0, 1.0]), -angle)
+    return ellipsoid.ground_point(quaternion.rotate(turn, r_i), quaternion.rotate(turn, looking))
+
+
+def sampling_distance(points: ArrayLike) -> jax.Array:
+    """Ground sampling distance along track, from line to line of points (T, 3): (T - 1,) [m]."""
+    return jnp.linalg.norm(jnp.diff(jnp.asarray(points), axis=0), axis=-1)
