@@ -91,8 +91,8 @@ def _solve_spd(matrix: Array, rhs: Array) -> Array:
     return lax.fori_loop(0, matrix.shape[0], eliminate, table)[:, -1]
 
 
-def _shares(matrix: Array, rhs: Array) -> Array:
-    """Solve (S, m, m) systems for (S, m), the batch axis last on the way."""
+def solve_small(matrix: Array, rhs: Array) -> Array:
+    """Solve (S, m, m) positive definite systems for (S, m), the batch axis last on the way."""
     solve = jax.vmap(_solve_spd, in_axes=-1, out_axes=-1)
     return solve(jnp.moveaxis(matrix, 0, -1), rhs.T).T
 
@@ -142,7 +142,7 @@ def sparsify(
         diagonal = jnp.diagonal(matrix, axis1=1, axis2=2)
         slack = jnp.where(hard, _DAMPING * diagonal, 1.0 / row_weight) + _NOTHING
         matrix = matrix + slack[:, :, None] * jnp.eye(rows.shape[1], dtype=u.dtype)[None]
-        fresh = weights * jnp.einsum("sikc,si->skc", jacobian, _shares(matrix, reached - rows))
+        fresh = weights * jnp.einsum("sikc,si->skc", jacobian, solve_small(matrix, reached - rows))
         over = jnp.max(jnp.abs(jnp.einsum("skc,nc->skn", fresh, limits)), axis=-1)
         return _Point(
             fresh / jnp.maximum(1.0, over)[..., None],

@@ -55,6 +55,8 @@ class SparseSystem:
         measure that vanishes where they do, and their derivatives, exact or nearly so; None where
         path constraints rule out a search that does not know them.
     limits : plant -> (n, b), rows l of the control limits |l u[k]| <= 1.
+    bounds : plant -> (b,) and (b,), limits lower <= u[k] <= upper that each control has of its own;
+        given instead of `limits` where controls are one-sided, as thrusters are.
     stages : number of controls b -> the same system interval by interval, without cost and
         without the control limits, its arguments `SparseArguments`; None where it has no such form.
     """
@@ -65,6 +67,7 @@ class SparseSystem:
     turned: Callable[[Any, Array], Any] = lambda plant, sign: plant
     response: Callable[[Array, Any], tuple[Array, Array]] | None = None
     limits: Callable[[Any], Array] | None = None
+    bounds: Callable[[Any], tuple[Array, Array]] | None = None
     stages: Callable[[int], StagedProgram] | None = None
 
 

@@ -5,10 +5,14 @@ from __future__ import annotations
 import functools
 from dataclasses import replace
 
+import jax.numpy as jnp
+
 from jaxatt.problems.hands_off import SparseSystem
+from jaxatt.problems.propelled_response import propelled_response, propelled_rows
 from jaxatt.problems.pulse_response import exact_response, pulse_response
 from jaxatt.problems.slew import (
     SlewForm,
+    bound_margins,
     speed_margins,
     terminal_rows,
     torque_margins,
@@ -19,6 +23,15 @@ from jaxatt.problems.slew_stages import slew_stages
 @functools.cache
 def slew_system(form: SlewForm) -> SparseSystem:
     """The slew as a system for sparse control, with the terms of `form` compiled in."""
+    if form.propelled:
+        return SparseSystem(
+            rows=lambda u, p: propelled_rows(u, p, form),
+            margins=lambda u, p: jnp.zeros((0,), u.dtype),
+            stage_margins=bound_margins,
+            turned=lambda p, sign: replace(p, reference=p.reference * sign),
+            response=lambda u, p: propelled_response(u, p, form),
+            bounds=lambda p: (p.lower, p.upper),
+        )
     response = exact_response if form.gyroscopic else pulse_response
     return SparseSystem(
         rows=lambda u, p: terminal_rows(u, p, form),

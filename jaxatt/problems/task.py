@@ -21,12 +21,18 @@ _BINDING = 1e-3
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of the printed cost (5.3a), Schaanning (2021), table 5.1; k1 [s^2], k2, k3, a3."""
+    """Weights of the printed cost (5.3a), Schaanning (2021), table 5.1; k1 [s^2], k2, k3, a3.
+
+    on_off : k4 [1/(N m)^2] of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters;
+    on_off_idle : whether the term is multiplied by xi, as printed, which idle intervals have.
+    """
 
     rate: float
     attitude: float
     sparsity: float
     waypoint: float
+    on_off: float = 0.0
+    on_off_idle: bool = False
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,13 @@ _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
 
 WHEEL_KEYS = ("axes", "inertia_kgm2", "torque_limit_Nm", "speed_limit_rad_s")
-VEHICLE_FILE_KEYS = ("name", "title", "source", "inertia_kgm2", "wheels")
+THRUSTER_KEYS = (
+    "torque_directions",
+    "torque_limit_Nm",
+    "minimum_on_time_s",
+    "minimum_impulse_Nms",
+)
+VEHICLE_FILE_KEYS = ("name", "title", "source", "inertia_kgm2", "wheels", "thrusters")
 
 SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": ("use", "file", *VEHICLE_FILE_KEYS),
@@ -36,7 +42,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "sinusoidal_torque_Nm",
         "sinusoidal_frequency_rad_s",
     ),
-    "control": ("axes",),
+    "control": ("axes", "quantisation"),
     "objective": (
         "kind",
         "terminal",
@@ -46,6 +52,8 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "attitude_weight",
         "sparsity_weight",
         "waypoint_weight",
+        "on_off_weight",
+        "on_off_form",
     ),
     "windows": _WINDOW,
     "solver": _SOLVER,
@@ -70,6 +78,7 @@ UNITS = {
     "_kgm2": "kg m^2",
     "_deg": "degrees",
     "_km": "kilometres",
+    "_Nms": "newton metre seconds",
     "_Nm": "newton metres",
     "_s2": "s^2",
     "_s": "seconds",
@@ -105,7 +114,11 @@ def nearest(name: str, candidates: Iterable[str]) -> str | None:
 def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
     """Return the sentence that helps with an unknown key: a near name, or all that is allowed."""
     # A key that exists in another table was misplaced rather than misspelt.
-    elsewhere = {"vehicle.wheels": WHEEL_KEYS, **SPACECRAFT_TABLES}
+    elsewhere = {
+        "vehicle.wheels": WHEEL_KEYS,
+        "vehicle.thrusters": THRUSTER_KEYS,
+        **SPACECRAFT_TABLES,
+    }
     for other, keys in elsewhere.items():
         if other != table and key in keys:
             return f"did you mean to put it into [{other}]?"

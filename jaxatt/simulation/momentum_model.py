@@ -14,6 +14,7 @@ the nodes leave the loop as one array.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import jax
@@ -41,7 +42,8 @@ class BodyParameters:
     inverse_inertia: Array
 
 
-def _cross(a: Components, b: Components) -> Components:
+def cross(a: Components, b: Components) -> Components:
+    """Cross product of two vectors in components."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -49,14 +51,15 @@ def _cross(a: Components, b: Components) -> Components:
     )
 
 
-def _matvec(matrix: Array, v: Components) -> Components:
+def matvec(matrix: Array, v: Components) -> Components:
+    """Product of a matrix (3, 3) and a vector in components."""
     return tuple(matrix[i, 0] * v[0] + matrix[i, 1] * v[1] + matrix[i, 2] * v[2] for i in range(3))
 
 
 def _to_body(q: Components, v: Components) -> Components:
     """Inertial components of a vector into body components: R(q_ib)' v."""
-    once = _cross(q[1:4], v)
-    twice = _cross(q[1:4], once)
+    once = cross(q[1:4], v)
+    twice = cross(q[1:4], once)
     return tuple(v[i] - 2.0 * (q[0] * once[i] - twice[i]) for i in range(3))
 
 
@@ -92,25 +95,34 @@ def derivative(
     Source: Schaanning (2021), eqs. (4.2), (4.9), (4.11), (4.20b), in inertial axes.
     """
     q, w = state[:4], state[4:7]
-    q_rate = (
+    turning = cross(_to_body(q, state[7:] if disturbed else momentum), w)
+    if not disturbed:
+        return turning_rate(q, w) + matvec(
+            body.inverse_inertia, tuple(turning[i] - torque[i] for i in range(3))
+        )
+    external = tidal_torque(q, environment, body)
+    omega_rate = matvec(
+        body.inverse_inertia, tuple(turning[i] + external[i] - torque[i] for i in range(3))
+    )
+    return turning_rate(q, w) + omega_rate + _to_inertial(q, external)
+
+
+def turning_rate(q: Components, w: Components) -> Components:
+    """Derivative of a quaternion that turns at w [rad/s] in body axes; Schaanning, eq. (4.2)."""
+    return (
         0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]),
         0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]),
         0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]),
         0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]),
     )
-    turning = _cross(_to_body(q, state[7:] if disturbed else momentum), w)
-    if not disturbed:
-        return q_rate + _matvec(
-            body.inverse_inertia, tuple(turning[i] - torque[i] for i in range(3))
-        )
+
+
+def tidal_torque(q: Components, environment: Environment, body: BodyParameters) -> Components:
+    """Gravity gradient and known disturbance in body axes, three scalars [N m]."""
     down_i = tuple(environment.orbit_attitude[i] for i in range(3))
     down = _to_body(q, down_i)
-    tidal = _cross(down, _matvec(body.inertia, down))
-    external = tuple(environment.gradient * tidal[i] + environment.disturbance[i] for i in range(3))
-    omega_rate = _matvec(
-        body.inverse_inertia, tuple(turning[i] + external[i] - torque[i] for i in range(3))
-    )
-    return q_rate + omega_rate + _to_inertial(q, external)
+    tidal = cross(down, matvec(body.inertia, down))
+    return tuple(environment.gradient * tidal[i] + environment.disturbance[i] for i in range(3))
 
 
 def with_down(stages: Environment) -> Environment:
@@ -118,21 +130,23 @@ def with_down(stages: Environment) -> Environment:
     return stages._replace(orbit_attitude=_down(stages.orbit_attitude))
 
 
-def _substep(
+def integrate(
     base: Components,
-    momentum: Components,
-    torque: Components,
+    rate: Callable[[Components, Environment], Components],
     along: Environment,
     h: Array,
-    body: BodyParameters,
-    disturbed: bool,
 ) -> Components:
+    """State after one RK4 step of h [s], its quaternion normalised.
+
+    along : leading axis 4, the environment at the stage times.
+    """
+
     def stage(
         carry: tuple[Components, Components], inputs: tuple[tuple[Array, Array], Environment]
     ) -> tuple[tuple[Components, Components], None]:
         point, total = carry
         (ahead, weight), environment = inputs
-        k = derivative(point, torque, momentum, environment, body, disturbed)
+        k = rate(point, environment)
         point = tuple(x + ahead * h * dx for x, dx in zip(base, k, strict=True))
         total = tuple(x + weight * h * dx for x, dx in zip(total, k, strict=True))
         return (point, total), None
@@ -159,7 +173,9 @@ def step(
     """
 
     def substep(base: Components, environment: Environment) -> Components:
-        return _substep(base, momentum, torque, environment, h, body, disturbed)
+        return integrate(
+            base, lambda x, at: derivative(x, torque, momentum, at, body, disturbed), environment, h
+        )
 
     if along.gradient.shape[0] == 1:
         return substep(state, jax.tree.map(lambda leaf: leaf[0], along))

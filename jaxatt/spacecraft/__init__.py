@@ -1,6 +1,7 @@
-"""Spacecraft: rigid body and reaction wheels."""
+"""Spacecraft: rigid body, reaction wheels and thrusters."""
 
 from jaxatt.spacecraft.checks import FieldError
+from jaxatt.spacecraft.thrusters import Thrusters, thrusters
 from jaxatt.spacecraft.vehicle import Spacecraft, create, total_momentum
 from jaxatt.spacecraft.wheels import ReactionWheels, momentum, reaction_wheels
 
@@ -8,8 +9,10 @@ __all__ = [
     "FieldError",
     "ReactionWheels",
     "Spacecraft",
+    "Thrusters",
     "create",
     "momentum",
     "reaction_wheels",
+    "thrusters",
     "total_momentum",
 ]
