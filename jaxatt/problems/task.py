@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -132,6 +133,14 @@ class Task(ABC):
     def shared(self) -> bool:
         """Whether all controls of an interval count as one."""
         return self.goal.design == 1
+
+    def reaching(self) -> Task:
+        """The same task with the target as a constraint instead of a cost."""
+        other = copy.copy(self)
+        other.goal = replace(self.goal, terminal="reach")
+        other.arguments = replace(self.arguments, row_weight=jnp.full(self.rows, jnp.inf))
+        other.sparsity_weight = other.effort_weight = 1.0
+        return other
 
     @abstractmethod
     def to_controls(self, u: Floats | Array) -> Floats:
