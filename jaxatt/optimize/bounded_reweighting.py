@@ -82,7 +82,7 @@ def _clipped(d: Array, pull: Array, lower: Array, upper: Array) -> tuple[Array, 
     return v, v * pull - v * v / (2.0 * d + _NOTHING)
 
 
-def _bounded_step(
+def bounded_step(
     jacobian: Array,
     target: Array,
     d: Array,
@@ -170,7 +170,7 @@ def sparsify_bounded(
         target = jnp.einsum("sim,sm->si", jacobian, flat(at)) - rows * share
         whole = jnp.sum(jacobian**2 * flat(d)[:, None], axis=-1)
         slack = jnp.where(hard, _HARD * whole, 1.0 / row_weight)
-        v, dual = _bounded_step(
+        v, dual = bounded_step(
             jacobian,
             target,
             flat(d),

@@ -20,6 +20,8 @@ from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
 from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.momentum_model import BodyParameters
+from jaxatt.simulation.pulse_flight import fly_pulses
+from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
@@ -96,6 +98,10 @@ def _fly_many(
     craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
     return jax.vmap(lambda one: fly_torque(craft, start, one, table))(torque)
+
+
+_fly_pulses = jax.jit(fly_pulses, static_argnums=6)
+_COARSE_PIECES = 4
 
 
 class SlewTask(Task):
@@ -267,17 +273,39 @@ class SlewTask(Task):
             key=("fly", torque.shape[1:], table.stages.gradient.shape),
         )
 
+    def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
+        """Fly openings of valves at their exact times on the full model, then coast.
+
+        coarse : with few Runge-Kutta steps, for iterations; at least 20 an interval otherwise.
+        """
+        flown = _fly_pulses(
+            self.craft,
+            self.start,
+            jnp.asarray(pulses.wheel_torque),
+            jnp.asarray(pulses.opens),
+            jnp.asarray(pulses.shuts),
+            self.table,
+            _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS,
+        )
+        return jax.tree.map(np.asarray, flown)
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
+        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+
+    def end_errors(self, q_ob: Floats | Array, omega_ob: Floats | Array) -> dict[str, Floats]:
+        """Errors (S,) of flights (S, nodes, ...) at the end of the horizon, as `tolerances`."""
+        end = self.intervals
+        return {
+            "attitude": _compared(self.aim.q_ob, q_ob[:, end])[0],
+            "rate": np.linalg.norm(omega_ob[:, end] - self.aim.omega_ob, axis=-1),
+        }
+
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
         """Errors of a flight at the end of the horizon and at the waypoint."""
         end = self.intervals
-        found = {
-            "attitude": _compared(self.aim.q_ob, flown.q_ob[:, end])[0],
-            "rate": np.linalg.norm(flown.omega_ob[:, end] - self.aim.omega_ob, axis=-1),
-        }
-        tolerances = {
-            "attitude": self.aim.attitude_tolerance,
-            "rate": self.aim.rate_tolerance,
-        }
+        found, tolerances = self.end_errors(flown.q_ob, flown.omega_ob), self.tolerances
         if self.passage is not None:
             q = flown.q_ob[:, self.passage.node]
             found["waypoint"] = _compared(self.passage.q_ob, q)[0]

@@ -42,11 +42,13 @@ def fly_pulses(
     opens: Array,
     shuts: Array,
     table: EnvironmentTable,
+    pieces: int = MINIMUM_SUBSTEPS,
 ) -> Trajectory:
     """Fly constant wheel torques and one opening of every thruster in each interval, then coast.
 
     wheel_torque : (N, n) [N m].  opens, shuts : (N, m) [s] from the interval's start, equal where
     a valve stays shut; an open thruster gives its limit.
+    pieces : even cuts of every interval, besides those where a valve switches (static).
     """
     count = table.stages.gradient.shape[0]
     half = 0.5 * table.substep
@@ -54,7 +56,7 @@ def fly_pulses(
     coast = count - opens.shape[0]
     tail = ((0, coast), (0, 0))
     limit = jnp.asarray(craft.thrusters.torque_limit)
-    even = jnp.linspace(0.0, 1.0, MINIMUM_SUBSTEPS + 1) * length
+    even = jnp.linspace(0.0, 1.0, pieces + 1) * length
 
     def piece(
         carry: tuple[AttitudeState, Array],
