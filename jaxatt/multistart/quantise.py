@@ -43,13 +43,21 @@ class Quantised:
     opposed: int
 
 
-def quantise(task: SlewTask, controls: Floats, sign: float, mode: str, seed: int = 0) -> Quantised:
+def quantise(
+    task: SlewTask, controls: Floats, sign: float, mode: str, aims: bool = True, seed: int = 0
+) -> Quantised:
     """Make every thruster of an answer fully open or shut.
 
     controls : (N, b) [N m], the relaxed answer.  sign : the way round it aims.
     mode : "pulse-width" or "interval".  seed : of the search among whole intervals.
+    aims : whether the answer reaches the target; one that does not, as the printed cost may prefer,
+        keeps its own widths, or has them rounded, and is not steered anywhere else.
     """
     u = _unopposed(task, task.from_controls(controls))
+    if not aims:
+        first = task.craft.wheels.count
+        whole = np.concatenate([u[:, :first], np.round(u[:, first:])], axis=1)
+        return judge_pulses(task, pulses_of(task, u if mode == "pulse-width" else whole), mode)
     if mode == "pulse-width":
         return judge_pulses(task, _by_width(task, u, sign), mode)
     return judge_pulses(task, pulses_of(task, nearest_pattern(task, u, sign, seed)), mode)

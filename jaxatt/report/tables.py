@@ -149,6 +149,7 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
         ("rate error [rad/s]", _error(first, "rate", "rate_error_rad_s")),
         ("waypoint error [deg]", _error(first, "waypoint", "waypoint_error_deg")),
         ("state error", _error(first, "state", "state_error")),
+        ("after quantisation", _quantised),
         (
             f"over the limit{'' if toy else ' [N m]'}",
             lambda b: short(b["max_torque_violation_Nm"]),
@@ -169,6 +170,16 @@ def _status(block: _Block) -> Text:
 
 def _active(block: _Block) -> str:
     return f"{block['active_intervals']} ({block['relative_sparsity_percent']:.3g} % of all)"
+
+
+def _quantised(block: _Block) -> str:
+    valves = block.get("quantised")
+    if valves is None:
+        return ""
+    return (
+        f"{valves['status']} ({valves['mode']}): {valves['active_intervals']} active, "
+        f"{short(valves['attitude_error_deg'])} deg, {short(valves['rate_error_rad_s'])} rad/s"
+    )
 
 
 def _error(leg: Leg, name: str, key: str) -> Callable[[_Block], str]:
