@@ -26,7 +26,7 @@ from jaxatt.simulation.chunks import CHUNK, Progress, in_chunks
 DECIDE = BoundedReweighting()
 """Reweighting that decides supports, from scaled controls of any size."""
 
-SETTLE = BoundedReweighting(deciding=0, settling=12)
+SETTLE = BoundedReweighting(deciding=0, settling=20, settled_smoothing=1e-2)
 """Whether a given support leads to the target."""
 
 POLISH = BoundedReweighting(deciding=0, settling=40, settled_smoothing=1e-4)

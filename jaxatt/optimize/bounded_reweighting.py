@@ -159,7 +159,10 @@ def sparsify_bounded(
         freezing = (i == settings.deciding) & (i > 0)
         support = point.support * ((squared > SUPPORT_THRESHOLD**2) | ~freezing)
         chosen = (squared + smoothing**2) * (0.5 * jnp.log1p(1.0 / smoothing**2))
-        spent = jnp.sqrt(point.u**2 + settings.settled_smoothing**2) / settings.effort
+        # On a given support the first steps spread the torque evenly, which finds a way if any.
+        early = jnp.where(settings.deciding > 0, 0.0, settings.factor**i)
+        least_size = jnp.maximum(settings.settled_smoothing, early)
+        spent = jnp.sqrt(point.u**2 + least_size**2) / settings.effort
         d = support * jnp.where(deciding, chosen / importance[None, :, None], spent)
 
         at = point.u * support

@@ -85,7 +85,8 @@ def relative_rate(axes: Axes, result: Result) -> None:
     _lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), names)
     for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
         _references(axes, start, end, np.degrees(leg.reference["omega_ob"]))
-    axes.set_ylabel(r"$\omega_{ob}^{b}$ [deg/s]")
+    frame = "ib" if result.scenario.orbit is None else "ob"
+    axes.set_ylabel(rf"$\omega_{{{frame}}}^{{b}}$ [deg/s]")
 
 
 def wheel_speeds(axes: Axes, result: Result) -> None:
@@ -157,6 +158,8 @@ def torque(axes: Axes, result: Result, kind: str) -> None:
     line = timeline(result)
     for index, (values, name, limit) in enumerate(torque_rows(result, kind)):
         pulses(axes, line, values, index, name, limit, opacity=0.15)
+    if kind == "thrusters":
+        axes.set_ylim(bottom=0.0)
     axes.set_ylabel(f"{_TORQUES[kind]} torque\n[mN m]")
 
 

@@ -127,6 +127,8 @@ def _torque(result: Result, kind: str) -> Picture:
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axes, (values, name, limit)) in enumerate(zip(grid, rows, strict=True)):
         panels.pulses(axes, line, values, index, name, limit)
+        if kind == "thrusters":
+            axes.set_ylim(bottom=0.0)
         panels.shade(axes, result, legend=index == 0)
     where = {"body": "in body axes", "wheels": "of the wheels", "thrusters": "of the thrusters"}
     figure.supylabel(f"torque {where[kind]} [mN m]", fontsize="medium")

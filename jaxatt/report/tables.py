@@ -106,18 +106,28 @@ def _controllers(headers: Sequence[str], title: str) -> Table:
 
 
 def resting_sentence(result: Result) -> str:
-    """Say so where the printed cost is lowest without any torque; empty otherwise."""
+    """Say so where the printed cost is lowest at rest, or tumbling, short of the target."""
     cost = do_nothing_cost(result)
     if result.scenario.objective.terminal != "penalty" or cost is None:
-        return ""
-    if any(leg.active.any() for leg in result.legs):
         return ""
     others = [leg.alternative for leg in result.legs if leg.alternative is not None]
     against = ""
     if len(others) == len(result.legs):
         total = sum(other.total_cost for other in others)
         against = f" against {total:.4g} for the best start that reaches"
-    return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
+    if not any(leg.active.any() for leg in result.legs):
+        return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
+    turned = [leg for leg in result.legs if not leg.reached and "rate" in leg.errors]
+    if not turned:
+        return ""
+    worst = max(turned, key=lambda leg: leg.errors["attitude"])
+    return (
+        "The printed objective prefers tumbling to braking: "
+        f"J = {sum(leg.total_cost for leg in result.legs):.4g} ends "
+        f"{math.degrees(worst.errors['attitude']):.3g} deg off at "
+        f"{math.degrees(worst.errors['rate']):.3g} deg/s{against}; "
+        f"not moving costs {cost:.4g}."
+    )
 
 
 def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
