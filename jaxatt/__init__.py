@@ -4,6 +4,7 @@ from jaxatt import scenarios
 from jaxatt.certificate import Certificate, certify
 from jaxatt.comparison import compare
 from jaxatt.minimization import Minimum, minimize
+from jaxatt.relative_sparsity import relative_sparsity
 from jaxatt.report.archive import open_archive
 from jaxatt.report.result import Leg, Result
 from jaxatt.runtime import configure
@@ -22,6 +23,7 @@ __all__ = [
     "configure",
     "minimize",
     "open_archive",
+    "relative_sparsity",
     "scenarios",
     "solve",
 ]

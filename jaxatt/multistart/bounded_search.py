@@ -24,6 +24,8 @@ from jaxatt.problems.task import Floats, Task
 
 _IMPROVED = 2
 _LONGEST_BURST = 24
+_TRACE = 1e-2
+"""Scaled controls below it are traces of an approximate L1 optimum."""
 
 MakeMethod = Callable[[str, str], Method]
 """(what decides the support, what to tell of progress) -> how to solve."""
@@ -60,7 +62,14 @@ def _starts(
     drawn = drawn._replace(u=np.abs(drawn.u))
     decides = "l1" if task.goal.kind == "l1" else "l0"
     u, supports = decide(task, drawn, method(decides, "deciding which intervals are active"))
-    return polish(task, u, supports, drawn.sign, method(decides, "polishing"))
+    ended = polish(task, u, supports, drawn.sign, method(decides, "polishing"))
+    if decides == "l0":
+        return ended
+    # The least effort leaves traces that only an exact linear programme would make zero.
+    u = task.from_controls(ended.controls)
+    kept = np.abs(u).max(axis=-1, keepdims=True) > _TRACE
+    pruned = polish(task, u, kept, drawn.sign, method(decides, "polishing"))
+    return pruned.where(pruned.verdict.reached | ~ended.verdict.reached, ended)
 
 
 def _rescued(task: Task, method: MakeMethod) -> list[Candidates]:

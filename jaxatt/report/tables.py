@@ -47,10 +47,16 @@ def result_table(result: Result) -> Table:
     return table
 
 
-def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
+def comparison_table(
+    title: str,
+    rows: Sequence[Mapping[str, Any]],
+    printed: Mapping[str, Any] | None = None,
+    findings: Sequence[str] = (),
+) -> Group:
     """Rows of a comparison: what was found with the printed values beside, then how good it is.
 
-    rows : as `jaxatt.comparison.Row.to_dict` gives them.
+    rows : as `jaxatt.comparison.Row.to_dict` gives them.  printed : the scenario's printed values.
+    findings : sentences below the tables.
     """
     toy = all(row["state_error"] is not None for row in rows)
     errors: tuple[str, ...] = ("attitude [deg]", "rate [rad/s]")
@@ -58,8 +64,16 @@ def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
         errors = ("state error", "in tolerance")
     passing = any(row["waypoint_error_deg"] is not None for row in rows)
     errors += ("waypoint [deg]",) if passing else ()
+    sparsity = any(row["printed"]["relative_sparsity_percent"] is not None for row in rows)
     found = _controllers(
-        ("active (printed)", "intervals", "outside windows (printed)", "weighted", "optimised in"),
+        (
+            "active (printed)",
+            *(("% of all (printed)",) if sparsity else ()),
+            "intervals",
+            "outside windows (printed)",
+            "weighted",
+            "optimised in",
+        ),
         title,
     )
     judged = _controllers(
@@ -70,6 +84,7 @@ def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
         found.add_row(
             name,
             _beside(row["active_intervals"], row["printed"]["active_intervals"]),
+            *([_share(row)] if sparsity else []),
             indices_text(row["active_interval_indices"]),
             _beside(row["active_outside_windows"], row["printed"]["active_outside_windows"]),
             short(row["weighted_active_intervals"]),
@@ -88,7 +103,48 @@ def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
             "" if row["starts"] is None else f"{row['starts_reached']} of {row['starts']}",
             _beside(short(row["time_s"], 3), short(row["printed"]["cpu_time_s"], 4)),
         )
-    return Group(found, judged)
+    told = [Text(sentence) for sentence in findings]
+    return Group(found, judged, *([_printed(printed)] if sparsity and printed else []), *told)
+
+
+def sparsity_table(study: Mapping[str, Any]) -> Group:
+    """A study of relative sparsity, as `jaxatt.relative_sparsity.Study.to_dict` gives it."""
+    tables = []
+    for key, title in (
+        ("against_intervals", "Relative sparsity against intervals"),
+        ("against_limit", "Relative sparsity against torque limit"),
+    ):
+        table = Table(title=Text(title, style="bold"), box=box.SIMPLE_HEAD, title_justify="left")
+        for header in ("N", "limit [N m]", "active", "found [%]", "one axis [%]", "bound [%]"):
+            table.add_column(Text(header), justify="right")
+        for point in study[key]:
+            table.add_row(
+                str(point["intervals"]),
+                short(point["torque_limit_Nm"]),
+                str(point["active_intervals"]) if point["reached"] else "not reached",
+                short(point["percent"]) if point["reached"] else "",
+                short(point["eigenaxis_percent"]),
+                short(point["bound_percent"]),
+            )
+        tables.append(table)
+    return Group(*tables)
+
+
+def _share(row: Mapping[str, Any]) -> str:
+    printed = row["printed"]["relative_sparsity_percent"]
+    return _beside(short(row["relative_sparsity_percent"]), short(printed))
+
+
+def _printed(printed: Mapping[str, Any]) -> Text:
+    """What the source prints beyond counts, by name."""
+    values = {
+        name: value
+        for block in printed.values()
+        if isinstance(block, Mapping)
+        for name, value in block.items()
+    }
+    listed = ", ".join(f"{name} {value}" for name, value in values.items())
+    return Text(f"Printed in table {printed.get('table', '?')}: {listed}.")
 
 
 def _controllers(headers: Sequence[str], title: str) -> Table:
