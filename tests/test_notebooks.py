@@ -12,6 +12,7 @@ import pytest
 
 NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 STUDY = NOTEBOOKS / "maximum_hands_off.py"
+THRUSTERS = NOTEBOOKS / "on_off_thrusters.py"
 CELL_TIMEOUT_S = 600
 
 # Read back from the notebook's own variables, in a last cell that only the test adds.
@@ -78,7 +79,7 @@ def outputs(notebook: Any, kind: str) -> list[str]:
 
 
 def test_every_notebook_is_run_here() -> None:
-    assert sorted(NOTEBOOKS.glob("*.py")) == [STUDY]
+    assert sorted(NOTEBOOKS.glob("*.py")) == [STUDY, THRUSTERS]
 
 
 @pytest.fixture(scope="module")
@@ -169,3 +170,85 @@ def test_toys_match_what_is_known(numbers: Any) -> None:
     exact = 5.0 - 10.0**0.5
     assert toys["double-integrator l1"]["l1_effort_Nms"] == pytest.approx(exact, rel=1e-3)
     assert 0.05 * toys["double-integrator l0"]["active_intervals"] == pytest.approx(exact, rel=0.05)
+
+
+THRUSTER_PROBE = """
+import json
+from dataclasses import asdict
+print(json.dumps({
+    "results": {name: result.summary() for name, result in results.items()},
+    "findings": {name: asdict(finding) for name, finding in findings.items()},
+    "penalty": penalty,
+    "shortest": float(widths.min()),
+    "slow": slow.summary()["quantised"],
+    "study": study.to_dict(),
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def thrusters(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return run_notebook(THRUSTERS, tmp_path_factory.mktemp("thrusters"), THRUSTER_PROBE)
+
+
+@pytest.fixture(scope="module")
+def thruster_numbers(thrusters: Any) -> Any:
+    return json.loads(thrusters.cells[-1]["outputs"][0]["text"])
+
+
+@pytest.mark.slow
+def test_thruster_study_shows_nine_figures_and_more(thrusters: Any) -> None:
+    assert len(outputs(thrusters, "image/png")) >= 11
+    errors = [o for c in thrusters.cells for o in c.get("outputs", []) if o.get("name") == "stderr"]
+    assert not errors
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "most"), [("eseo-1", 10), ("eseo-2", 20), ("eseo-3", 10)])
+def test_thrusters_reach_relaxed_and_quantised(thruster_numbers: Any, name: str, most: int) -> None:
+    answer = thruster_numbers["results"][name]
+    for block in (answer, answer["quantised"]):
+        assert block["status"] == "reached"
+        assert block["active_intervals"] <= most
+        assert block["attitude_error_deg"] < 0.05 and block["rate_error_rad_s"] < 1e-4
+    assert answer["quantised"]["partially_open_samples"] == 0
+    assert answer["quantised"]["opposed_firings"] == 0
+    whole = answer["quantised_otherwise"]
+    assert whole["mode"] == "interval" and whole["partially_open_samples"] == 0
+    assert whole["active_intervals"] <= answer["active_intervals"]
+
+
+@pytest.mark.slow
+def test_printed_relative_sparsity_is_judged(thruster_numbers: Any) -> None:
+    found = thruster_numbers["findings"]
+    assert found["eseo-1"]["reached"]
+    assert not found["eseo-2"]["reached"] and found["eseo-2"]["attitude_error_deg"] > 1.0
+    assert not found["eseo-3"]["reached"] and found["eseo-3"]["attitude_error_deg"] > 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "best"), [("eseo-1", 1759.7), ("eseo-2", 3094.1), ("eseo-3", 3920.1)]
+)
+def test_printed_weights_prefer_not_to_brake(thruster_numbers: Any, name: str, best: float) -> None:
+    answer = thruster_numbers["penalty"][name]
+    assert answer["objective"]["total"] <= best
+    assert answer["status"] == "not reached" and answer["alternative"]["status"] == "reached"
+    assert answer["alternative"]["objective"]["total"] > best
+
+
+@pytest.mark.slow
+def test_valves_keep_their_shortest_opening(thruster_numbers: Any) -> None:
+    assert thruster_numbers["shortest"] >= 0.05 - 1e-9
+    assert thruster_numbers["slow"]["status"] == "reached"
+
+
+@pytest.mark.slow
+def test_no_slew_beats_the_impulse_balance(thruster_numbers: Any) -> None:
+    study = thruster_numbers["study"]
+    for point in (*study["against_intervals"], *study["against_limit"]):
+        assert point["reached"]
+        assert point["bound_percent"] <= point["percent"]
+        assert point["bound_percent"] < point["eigenaxis_percent"]
+    percents = [point["percent"] for point in study["against_limit"]]
+    assert percents == sorted(percents, reverse=True)

@@ -1,5 +1,7 @@
 """Flights with exact switching against an adaptive integrator that stops at every switch."""
 
+import itertools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -38,7 +40,7 @@ def by_scipy(craft, q, omega, speeds, wheel, pulses) -> tuple[np.ndarray, np.nda
         opens = pulses.opens[k] if k < COUNT else np.zeros(4)
         shuts = pulses.shuts[k] if k < COUNT else np.zeros(4)
         edges = np.unique(np.concatenate([[0.0, STEP], opens, shuts]))
-        for begin, end in zip(edges[:-1], edges[1:], strict=True):
+        for begin, end in itertools.pairwise(edges):
             middle = 0.5 * (begin + end)
             push = b @ np.where((opens <= middle) & (middle < shuts), limit, 0.0)
 
