@@ -1,7 +1,8 @@
 """Search among thrusters that are open for whole intervals: a combinatorial problem.
 
 Every pattern is flown, many at once; single openings are flipped or moved for as long as that
-brings the end nearer, from many randomly rounded beginnings.
+brings the end nearer, from randomly rounded beginnings and then, again and again, from the best
+with a few openings changed (iterated local search).
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ from jaxatt.simulation.chunks import CHUNK, in_chunks
 
 Bits = npt.NDArray[np.bool_]
 
-_BEGINNINGS = 24
+_BEGINNINGS = 64
 _DESCENTS = 4
+_KICKS = 40
+_KICKED = 4
 _ROUNDS = 40
 
 
@@ -78,7 +81,14 @@ def nearest_pattern(task: SlewTask, u: Floats, sign: float, seed: int) -> Floats
         begun = np.zeros((1, *share.shape), bool)
     order = np.argsort(score(begun))[:_DESCENTS]
     ends = [_descend(begun[i], score, admissible) for i in order]
-    best = min(ends, key=lambda end: end[1])[0]
+    best, value = min(ends, key=lambda end: end[1])
+    for _ in range(_KICKS):
+        kicked = _kicked(best, rng)
+        if not admissible(kicked[None])[0]:
+            continue
+        other, reached = _descend(kicked, score, admissible)
+        if reached < value:
+            best, value = other, reached
     return np.concatenate([u[:, :first], best.astype(float)], axis=1)
 
 
@@ -97,17 +107,30 @@ def _descend(bits: Bits, score: object, admissible: object) -> tuple[Bits, float
     return bits, value
 
 
+def _kicked(bits: Bits, rng: np.random.Generator) -> Bits:
+    """The pattern with a few openings of its used intervals flipped at random."""
+    used = np.flatnonzero(bits.any(axis=1))
+    if not len(used):
+        return bits
+    changed = bits.copy()
+    rows = rng.choice(used, _KICKED)
+    columns = rng.integers(bits.shape[1], size=_KICKED)
+    changed[rows, columns] = ~changed[rows, columns]
+    return changed
+
+
 def _neighbours(bits: Bits) -> Bits:
-    """Patterns (S, N, m) with one opening flipped in a used interval, or moved anywhere."""
+    """Patterns (S, N, m) with one opening flipped in a used interval, or moved to one nearby."""
     made = []
     used = np.flatnonzero(bits.any(axis=1))
+    beside = np.unique(np.clip(np.concatenate([used - 1, used, used + 1]), 0, len(bits) - 1))
     for k in used:
         for j in range(bits.shape[1]):
             flipped = bits.copy()
             flipped[k, j] = not bits[k, j]
             made.append(flipped)
     for k, j in np.argwhere(bits):
-        for place in np.flatnonzero(~bits[:, j]):
+        for place in beside[~bits[beside, j]]:
             moved = bits.copy()
             moved[k, j], moved[place, j] = False, True
             made.append(moved)
