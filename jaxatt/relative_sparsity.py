@@ -153,12 +153,9 @@ def relative_sparsity(
 
     limit_factors : multiples of the scenario's torque limits.  starts : of every case.
     """
-    base = scenario if isinstance(scenario, scenarios.Scenario) else scenarios.load(scenario)
+    base = _with_thrusters(scenario)
     craft = base.vehicle
-    if craft is None or craft.thrusters.count == 0:
-        raise scenarios.ScenarioError(
-            f"{base.name}: the study is for vehicles with thrusters; choose a scenario with some"
-        )
+    assert craft is not None
     limits = np.asarray(craft.thrusters.torque_limit)
     along = tuple(
         _solved(base, {"horizon.intervals": int(count)}, starts, report) for count in intervals
@@ -172,9 +169,11 @@ def relative_sparsity(
     return Study(base, along, across)
 
 
-def attainable(scenario: scenarios.Scenario, size: int, report: Report | None = None) -> Attainable:
+def attainable(
+    scenario: scenarios.Scenario | str | Path, size: int, report: Report | None = None
+) -> Attainable:
     """Whether `size` active intervals suffice for the first target of a scenario with thrusters."""
-    task = build_task(scenario).reaching()
+    task = build_task(_with_thrusters(scenario)).reaching()
     assert isinstance(task, SlewTask)
     progress = None if report is None else lambda done: report("trying bursts at both ends", done)
     method = Method("l0", progress=progress)
@@ -188,6 +187,15 @@ def attainable(scenario: scenarios.Scenario, size: int, report: Report | None = 
         math.degrees(float(tried.verdict.errors["attitude"][nearest])),
         float(tried.verdict.errors["rate"][nearest]),
     )
+
+
+def _with_thrusters(scenario: scenarios.Scenario | str | Path) -> scenarios.Scenario:
+    base = scenario if isinstance(scenario, scenarios.Scenario) else scenarios.load(scenario)
+    if base.vehicle is None or base.vehicle.thrusters.count == 0:
+        raise scenarios.ScenarioError(
+            f"{base.name}: the study is for vehicles with thrusters; choose a scenario with some"
+        )
+    return base
 
 
 def _slew(task: SlewTask) -> tuple[Any, np.ndarray, float]:

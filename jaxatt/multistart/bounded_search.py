@@ -4,7 +4,8 @@
 2. The support is frozen and the L1 effort is minimised on it.
 3. If no start arrives, two bursts at the ends of the horizon are tried, shortest first.
 4. The best supports found are improved by dropping and moving single intervals.
-5. Where the printed cost is minimised, that answer competes with doing nothing, with starts on the
+5. Two bursts with fewer and fewer intervals are tried for as long as some arrive.
+6. Where the printed cost is minimised, that answer competes with doing nothing, with starts on the
    cost itself and with bursts that leave the target aside.
 """
 
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxatt.multistart.bursts import cheapest_bursts, try_bursts
-from jaxatt.multistart.candidates import Candidates, evaluate, join
+from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
 from jaxatt.multistart.local_search import improve
 from jaxatt.multistart.polish import Method, decide, polish
 from jaxatt.multistart.starts import draw
@@ -51,7 +52,7 @@ def search_bounded(
         pool = join(starts, *_rescued(task, method))
     if task.goal.kind == "l1":
         return BoundedFound(starts, pool)
-    return BoundedFound(starts, _improved(task, pool, method, True))
+    return BoundedFound(starts, _shortened(task, _improved(task, pool, method, True), method))
 
 
 def _starts(
@@ -81,6 +82,25 @@ def _rescued(task: Task, method: MakeMethod) -> list[Candidates]:
             return [tried.pick(np.flatnonzero(tried.verdict.reached))]
         size = max(size + 1, round(1.3 * size))
     return []
+
+
+def _shortened(task: Task, pool: Candidates, method: MakeMethod) -> Candidates:
+    """The pool with the shortest pair of bursts that arrives, if it beats what is there."""
+    best = pool.pick(pool.order(True)[0])
+    if not best.verdict.reached[0]:
+        return pool
+    size = int(best.rank[0, 1]) - 1
+    found: Candidates | None = None
+    while size > 0:
+        tried = try_bursts(task, size, method("l0", "trying fewer intervals"))
+        if not tried.verdict.reached.any():
+            break
+        found, size = tried.pick(np.flatnonzero(tried.verdict.reached)), size - 1
+    if found is None:
+        return pool
+    supports = np.stack([support_of(task, controls) for controls in found.controls])
+    u = task.from_controls(found.controls)
+    return join(pool, found, polish(task, u, supports, found.sign, method("l0", "polishing")))
 
 
 def _improved(task: Task, pool: Candidates, method: MakeMethod, reached_first: bool) -> Candidates:
