@@ -41,6 +41,7 @@ METHODS = {
     "thesis-chain": ("benchmarks.casadi_thesis_chain", "prepare"),
     "thesis-chain-warm": ("benchmarks.casadi_thesis_chain", "prepare_warm"),
     "fatrop": ("benchmarks.casadi_fatrop", "prepare"),
+    "thrusters": ("benchmarks.casadi_thrusters", "prepare"),
 }
 """Module and function by method; only the one that is asked for is loaded."""
 

@@ -17,6 +17,9 @@ BEST_KNOWN = {
     "hypso1-75-50-15": 2,
     "hypso1-90-45-15-half-torque": 2,
     "hypso1-75-50-15-half-torque": 2,
+    "eseo-1": 10,
+    "eseo-2": 20,
+    "eseo-3": 10,
     # The least effort is 1.837722 s and the impulse -1 s, so at least 1.418861 s push one way and
     # 0.418861 s the other: 29 and 9 intervals of 0.05 s.
     "double-integrator": 38,

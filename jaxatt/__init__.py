@@ -5,6 +5,7 @@ from jaxatt.certificate import Certificate, certify
 from jaxatt.comparison import compare
 from jaxatt.flight_comparison import FlightComparison, compare_flight
 from jaxatt.minimization import Minimum, minimize
+from jaxatt.relative_sparsity import relative_sparsity
 from jaxatt.report.archive import open_archive
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Leg, Result
@@ -28,6 +29,7 @@ __all__ = [
     "configure",
     "minimize",
     "open_archive",
+    "relative_sparsity",
     "scenarios",
     "simulate",
     "solve",

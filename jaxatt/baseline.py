@@ -12,7 +12,7 @@ from jaxatt.problems.slew_task import Departure, SlewTask
 from jaxatt.report.result import Flags
 from jaxatt.scenarios.build import build_task
 from jaxatt.scenarios.model import Scenario
-from jaxatt.solving import fly_pd
+from jaxatt.solving import flown_controls, fly_pd
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,16 +49,15 @@ def fly_pd_legs(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]
         departure = Departure(
             *(np.asarray(part[end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
         )
-        wheel = np.asarray(flown.wheel_torque)[None, :end]
-        body = wheel @ np.asarray(task.craft.wheels.axes).T
-        controls = wheel if task.axes == "wheels" else body
+        controls = flown_controls(task, flown)[None]
+        body = np.concatenate([task.body_torque(controls), task.thrust(controls)], axis=-1)
         batch = jax.tree.map(lambda leaf: leaf[None], flown)
         verdict, cost = task.judge(batch, controls), task.cost(batch, controls)
         legs.append(
             FlownPD(
                 active=(np.abs(body[0]) > task.threshold).any(axis=1),
                 errors={name: float(error[0]) for name, error in verdict.errors.items()},
-                effort=float(np.abs(body).sum() * task.step),
+                effort=float(task.effort(controls)[0]),
                 cost=float(sum(part[0] for part in cost.values())),
                 reached=bool(
                     all(error[0] <= verdict.tolerances[n] for n, error in verdict.errors.items())

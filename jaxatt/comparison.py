@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,14 @@ from rich.console import Group
 from jaxatt import scenarios
 from jaxatt.baseline import FlownPD, fly_pd_legs
 from jaxatt.multistart.search import Report
+from jaxatt.relative_sparsity import attainable
 from jaxatt.report import plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
 from jaxatt.report.files import filling
 from jaxatt.report.folder import save as save_result
 from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.result import Result
+from jaxatt.report.result import Result, Valves
 from jaxatt.report.summary import summary, write_json
 from jaxatt.report.tables import comparison_table
 from jaxatt.report.wording import OBJECTIVES
@@ -34,6 +35,7 @@ class Printed:
     active_intervals: int | None = None
     active_outside_windows: int | None = None
     cpu_time_s: float | None = None
+    relative_sparsity_percent: float | None = None
 
 
 @dataclass(frozen=True)
@@ -41,13 +43,15 @@ class Row:
     """One controller; with several legs counts are added up and errors are those of the worst leg.
 
     weighted_active_intervals : sum of h_k over the active intervals, by the scenario's windows,
-    whether or not the controller knew of them.  axes : "body" or "wheels", what was optimised;
-    "feedback" for a law.  time_s : wall clock, compilation included.
+    whether or not the controller knew of them.  relative_sparsity_percent : active intervals out of
+    all.  axes : "body", "wheels" or "actuators", what was optimised; "feedback" for a law, "valves"
+    for thrusters fully open or shut.  time_s : wall clock, compilation included.
     """
 
     controller: str
     reached: bool
     active_intervals: int
+    relative_sparsity_percent: float
     active_interval_indices: tuple[int, ...]
     weighted_active_intervals: float
     active_outside_windows: int
@@ -70,11 +74,15 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Rows of the table, and the results behind the optimised ones by their objective."""
+    """Rows of the table, and the results behind the optimised ones by their objective.
+
+    findings : what was found of printed values that the rows do not meet, in words.
+    """
 
     scenario: scenarios.Scenario
     rows: tuple[Row, ...]
     results: Mapping[str, Result]
+    findings: tuple[str, ...] = ()
 
     @property
     def reached(self) -> bool:
@@ -83,7 +91,8 @@ class Comparison:
 
     def table(self) -> Group:
         """The comparison as a rich table."""
-        return comparison_table(self._title, [row.to_dict() for row in self.rows])
+        rows = [row.to_dict() for row in self.rows]
+        return comparison_table(self._title, rows, self.scenario.printed, self.findings)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, ready for JSON."""
@@ -91,6 +100,8 @@ class Comparison:
             "scenario": self.scenario.name,
             "source": self.scenario.source,
             "rows": [row.to_dict() for row in self.rows],
+            "printed": dict(self.scenario.printed),
+            "findings": list(self.findings),
         }
 
     def plot(self) -> Picture:
@@ -145,6 +156,11 @@ def compare(
         for kind in kinds
     }
     rows: list[Row] = []
+    if scenario.vehicle is not None and scenario.vehicle.thrusters.count:
+        rows = [_pd_row("PD, Schmitt", scenario, fly_pd_legs(scenario))]
+        for kind, result in results.items():
+            rows += [_row(scenario, kind, result), *_valve_rows(scenario, kind, result)]
+        return Comparison(scenario, tuple(rows), results, _findings(scenario, report))
     if scenario.vehicle is not None:
         rows = [
             _pd_row("PD, clipped", scenario, fly_pd_legs(scenario)),
@@ -161,6 +177,7 @@ def printed_values(scenario: scenarios.Scenario, kind: str) -> Printed:
         values.get("active_intervals"),
         values.get("active_outside_windows"),
         values.get("cpu_time_nlp_s"),
+        values.get("relative_sparsity_percent"),
     )
 
 
@@ -177,6 +194,7 @@ def _counts(scenario: scenarios.Scenario, active: Sequence[Any]) -> dict[str, An
     window = np.tile(scenarios.window_mask(scenario), len(active))
     return {
         "active_intervals": int(joined.sum()),
+        "relative_sparsity_percent": 100.0 * float(joined.mean()),
         "active_interval_indices": tuple(np.flatnonzero(joined).tolist()),
         "weighted_active_intervals": float(weights[joined].sum()),
         "active_outside_windows": int((joined & ~window).sum()),
@@ -198,9 +216,65 @@ def _row(scenario: scenarios.Scenario, kind: str, result: Result) -> Row:
         starts_reached=numbers["starts"]["reached_target"],
         starts=numbers["starts"]["requested"],
         time_s=sum(result.time.values()),
-        axes=scenario.control.axes if scenario.vehicle is not None else "-",
+        axes=_optimised_in(scenario),
         printed=printed_values(scenario, kind),
     )
+
+
+def _optimised_in(scenario: scenarios.Scenario) -> str:
+    if scenario.vehicle is None:
+        return "-"
+    return "actuators" if scenario.vehicle.thrusters.count else scenario.control.axes
+
+
+def _valve_rows(scenario: scenarios.Scenario, kind: str, result: Result) -> list[Row]:
+    """The answer after quantisation, both ways."""
+    if any(leg.quantised == () for leg in result.legs):
+        return []
+    vehicle, relaxed, rows = scenario.vehicle, _row(scenario, kind, result), []
+    assert vehicle is not None
+    pushes = np.abs(np.asarray(vehicle.thrusters.distribution)).sum(axis=0)
+    impulse = np.asarray(vehicle.thrusters.torque_limit) * pushes
+    for number, mode in enumerate(v.mode for v in result.legs[0].quantised):
+        valves = [leg.quantised[number] for leg in result.legs]
+        rows.append(
+            replace(
+                relaxed,
+                controller=f"{OBJECTIVES[kind]}, {mode}",
+                reached=all(v.reached for v in valves),
+                **_counts(scenario, [v.active for v in valves]),
+                attitude_error_deg=math.degrees(max(v.errors["attitude"] for v in valves)),
+                rate_error_rad_s=max(v.errors["rate"] for v in valves),
+                l1_effort_Nms=float(sum(v.on_time @ impulse for v in valves)),
+                objective_total=sum(_valve_cost(scenario, v) for v in valves),
+                starts_reached=None,
+                starts=None,
+                time_s=None,
+                axes="valves",
+                printed=Printed(),
+            )
+        )
+    return rows
+
+
+def _valve_cost(scenario: scenarios.Scenario, valves: Valves) -> float:
+    """The printed cost (11) of whole openings: nothing is partly open."""
+    weights = scenario.objective
+    return (
+        weights.rate_weight * valves.errors["rate"] ** 2
+        + weights.attitude_weight * (1.0 - math.cos(valves.errors["attitude"] / 2.0))
+        + weights.sparsity_weight * float(valves.active.sum())
+    )
+
+
+def _findings(scenario: scenarios.Scenario, report: Report | None) -> tuple[str, ...]:
+    """Whether the printed relative sparsity can be met rest to rest, and on what evidence."""
+    percent = printed_values(scenario, "l0").relative_sparsity_percent
+    if percent is None:
+        return ()
+    size = round(percent / 100.0 * scenario.horizon.intervals)
+    found = attainable(scenario, size, report)
+    return (f"Printed, {percent:g} %, rest to rest: {found.sentence()}",)
 
 
 def _pd_row(name: str, scenario: scenarios.Scenario, legs: Sequence[FlownPD]) -> Row:

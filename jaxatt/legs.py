@@ -6,13 +6,14 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.multistart.candidates import Candidates
+from jaxatt.multistart.quantise import MODES, quantise
 from jaxatt.multistart.search import Found
 from jaxatt.optimize.status import Status
 from jaxatt.problems import sparsity
 from jaxatt.problems.slew_task import Departure, SlewTask
-from jaxatt.problems.task import Task, Verdict
+from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
-from jaxatt.report.result import Leg, StartsRecord
+from jaxatt.report.result import Leg, StartsRecord, Valves
 
 
 def leg_of(
@@ -54,9 +55,12 @@ def _flown_leg(
             "omega_ob": np.asarray(flown.omega_ob[0]),
             "omega_ib": np.asarray(flown.omega_ib[0]),
             "omega_bw": np.asarray(flown.omega_bw[0]),
-            "torque_body": task.body_torque(controls[0]),
-            "torque_wheels": task.wheel_torque(controls[0]),
         }
+        if task.craft.wheels.count:
+            series["torque_body"] = task.body_torque(controls[0])
+            series["torque_wheels"] = task.wheel_torque(controls[0])
+        if task.craft.thrusters.count:
+            series["torque_thrusters"] = task.thrust(controls[0])
         reference = {"q_ob": task.aim.q_ob, "omega_ob": task.aim.omega_ob}
         if task.passage is not None:
             reference["waypoint"] = task.passage.q_ob
@@ -100,8 +104,36 @@ def _flown_leg(
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
         alternative=alternative,
+        quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
     )
     return leg, state
+
+
+def _valves(
+    scenario: scenarios.Scenario, task: Task, controls: Floats, sign: float, aims: bool
+) -> tuple[Valves, ...]:
+    """The answer with thrusters open or shut, as the scenario wants it and the other way."""
+    wanted = scenario.control.quantisation
+    if wanted not in MODES or not isinstance(task, SlewTask):
+        return ()
+    modes = (wanted, *(mode for mode in MODES if mode != wanted))
+    found = (quantise(task, controls, sign, mode, aims, scenario.solver.seed) for mode in modes)
+    return tuple(
+        Valves(
+            q.mode,
+            q.pulses.opens,
+            q.pulses.shuts,
+            np.asarray(q.flown.q_ob),
+            np.asarray(q.flown.omega_ob),
+            q.errors,
+            q.reached,
+            q.active,
+            q.on_time,
+            q.partly_open,
+            q.opposed,
+        )
+        for q in found
+    )
 
 
 _ERROR_WORDS = {

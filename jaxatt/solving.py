@@ -15,13 +15,14 @@ import numpy as np
 from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
 from jaxatt.control.pd import PDLaw
+from jaxatt.control.schmitt import SchmittLaw
 from jaxatt.legs import leg_of
 from jaxatt.multistart.search import Found, Report, search
 from jaxatt.problems.slew_task import Departure, SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.report.result import Leg, Result
 from jaxatt.scenarios.build import build_task
-from jaxatt.simulation.flight import Trajectory, fly_law
+from jaxatt.simulation.flight import Trajectory, fly_held_law, fly_law
 
 GUESSES = ("pulses", "pd", "l1")
 
@@ -132,9 +133,7 @@ def _guess(
     if guess == "pulses":
         return None
     if guess == "pd" and isinstance(task, SlewTask):
-        flown = fly_pd(task)
-        wheel = flown.wheel_torque[: task.intervals]
-        return np.asarray(wheel if task.axes == "wheels" else wheel @ task.craft.wheels.axes.T)
+        return flown_controls(task, fly_pd(task))
     if guess == "l1":
         effort = build_task(scenarios.replace(scenario, {"objective.kind": "l1"}), leg, state)
         found = search(effort, min(8, scenario.solver.starts), scenario.solver.seed)
@@ -143,8 +142,20 @@ def _guess(
 
 
 def fly_pd(task: SlewTask, clipped: bool = True) -> Trajectory:
-    """Fly the PD law of (5.8) on the task's slew."""
-    law = PDLaw(
-        task.craft, jnp.asarray(task.aim.q_ob), jnp.asarray(task.aim.omega_ob), clipped=clipped
-    )
-    return jax.tree.map(np.asarray, fly_law(task.craft, task.start, law, task.table))
+    """Fly the PD law of (5.8) on the task's slew; with thrusters, the one with Schmitt triggers."""
+    reference = jnp.asarray(task.aim.q_ob), jnp.asarray(task.aim.omega_ob)
+    if task.craft.thrusters.count:
+        valves = SchmittLaw(task.craft, *reference)
+        flown = fly_held_law(task.craft, task.start, valves, valves.shut, task.table)
+    else:
+        law = PDLaw(task.craft, *reference, clipped=clipped)
+        flown = fly_law(task.craft, task.start, law, task.table)
+    return jax.tree.map(np.asarray, flown)
+
+
+def flown_controls(task: SlewTask, flown: Trajectory) -> Floats:
+    """Controls (N, b) of a flight in the task's own axes [N m]."""
+    wheel, thrust = flown.wheel_torque[: task.intervals], flown.thrust[: task.intervals]
+    if task.axes == "body":
+        return np.asarray(wheel @ np.asarray(task.craft.wheels.axes).T)
+    return np.concatenate([wheel, thrust], axis=1)

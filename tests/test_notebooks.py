@@ -13,6 +13,7 @@ import pytest
 NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 STUDY = NOTEBOOKS / "maximum_hands_off.py"
 FEEDBACK = NOTEBOOKS / "feedback_laws.py"
+THRUSTERS = NOTEBOOKS / "on_off_thrusters.py"
 CELL_TIMEOUT_S = 600
 
 # Read back from the notebook's own variables, in a last cell that only the test adds.
@@ -79,7 +80,7 @@ def outputs(notebook: Any, kind: str) -> list[str]:
 
 
 def test_every_notebook_is_run_here() -> None:
-    assert sorted(NOTEBOOKS.glob("*.py")) == [FEEDBACK, STUDY]
+    assert sorted(NOTEBOOKS.glob("*.py")) == [FEEDBACK, STUDY, THRUSTERS]
 
 
 @pytest.fixture(scope="module")
@@ -186,6 +187,20 @@ print(json.dumps({
 """
 
 
+THRUSTER_PROBE = """
+import json
+from dataclasses import asdict
+print(json.dumps({
+    "results": {name: result.summary() for name, result in results.items()},
+    "findings": {name: asdict(finding) for name, finding in findings.items()},
+    "penalty": penalty,
+    "shortest": float(widths.min()),
+    "slow": slow.summary()["quantised"],
+    "study": study.to_dict(),
+}))
+"""
+
+
 @pytest.mark.slow
 def test_feedback_laws(tmp_path: Path) -> None:
     notebook = run_notebook(FEEDBACK, tmp_path, FEEDBACK_PROBE)
@@ -203,3 +218,71 @@ def test_feedback_laws(tmp_path: Path) -> None:
     assert tuned < printed - 1.0
     assert numbers["campaign"] >= 195
     assert numbers["gsd"] == pytest.approx(554.0, abs=3.0)
+
+
+@pytest.fixture(scope="module")
+def thrusters(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return run_notebook(THRUSTERS, tmp_path_factory.mktemp("thrusters"), THRUSTER_PROBE)
+
+
+@pytest.fixture(scope="module")
+def thruster_numbers(thrusters: Any) -> Any:
+    return json.loads(thrusters.cells[-1]["outputs"][0]["text"])
+
+
+@pytest.mark.slow
+def test_thruster_study_shows_nine_figures_and_more(thrusters: Any) -> None:
+    assert len(outputs(thrusters, "image/png")) >= 11
+    errors = [o for c in thrusters.cells for o in c.get("outputs", []) if o.get("name") == "stderr"]
+    assert not errors
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "most"), [("eseo-1", 10), ("eseo-2", 20), ("eseo-3", 10)])
+def test_thrusters_reach_relaxed_and_quantised(thruster_numbers: Any, name: str, most: int) -> None:
+    answer = thruster_numbers["results"][name]
+    for block in (answer, answer["quantised"]):
+        assert block["status"] == "reached"
+        assert block["active_intervals"] <= most
+        assert block["attitude_error_deg"] < 0.05 and block["rate_error_rad_s"] < 1e-4
+    assert answer["quantised"]["partially_open_samples"] == 0
+    assert answer["quantised"]["opposed_firings"] == 0
+    whole = answer["quantised_otherwise"]
+    assert whole["mode"] == "interval" and whole["partially_open_samples"] == 0
+    assert whole["active_intervals"] <= answer["active_intervals"]
+
+
+@pytest.mark.slow
+def test_printed_relative_sparsity_is_judged(thruster_numbers: Any) -> None:
+    found = thruster_numbers["findings"]
+    assert found["eseo-1"]["reached"]
+    assert not found["eseo-2"]["reached"] and found["eseo-2"]["attitude_error_deg"] > 1.0
+    assert not found["eseo-3"]["reached"] and found["eseo-3"]["attitude_error_deg"] > 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "best"), [("eseo-1", 1759.7), ("eseo-2", 3094.1), ("eseo-3", 3920.1)]
+)
+def test_printed_weights_prefer_not_to_brake(thruster_numbers: Any, name: str, best: float) -> None:
+    answer = thruster_numbers["penalty"][name]
+    assert answer["objective"]["total"] <= best
+    assert answer["status"] == "not reached" and answer["alternative"]["status"] == "reached"
+    assert answer["alternative"]["objective"]["total"] > best
+
+
+@pytest.mark.slow
+def test_valves_keep_their_shortest_opening(thruster_numbers: Any) -> None:
+    assert thruster_numbers["shortest"] >= 0.05 - 1e-9
+    assert thruster_numbers["slow"]["status"] == "reached"
+
+
+@pytest.mark.slow
+def test_no_slew_beats_the_impulse_balance(thruster_numbers: Any) -> None:
+    study = thruster_numbers["study"]
+    for point in (*study["against_intervals"], *study["against_limit"]):
+        assert point["reached"]
+        assert point["bound_percent"] <= point["percent"]
+        assert point["bound_percent"] < point["eigenaxis_percent"]
+    percents = [point["percent"] for point in study["against_limit"]]
+    assert percents == sorted(percents, reverse=True)

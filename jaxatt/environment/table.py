@@ -55,12 +55,13 @@ class EnvironmentTable:
 class Surroundings:
     """Orbit and known disturbances.
 
-    elements : Keplerian elements at time zero.  mu : () [m^3/s^2].
+    elements : Keplerian elements at time zero; None where attitudes refer to the inertial frame,
+        which then stands for the orbit frame.  mu : () [m^3/s^2].
     gravity_gradient : () 0 or 1, whether the gravity gradient torque acts (4.11).
     sine_amplitude : () [N m] and sine_frequency : () [rad/s] of the sinusoidal torque (4.12).
     """
 
-    elements: kepler.KeplerianElements
+    elements: kepler.KeplerianElements | None
     mu: Array
     gravity_gradient: Array
     sine_amplitude: Array
@@ -69,6 +70,11 @@ class Surroundings:
 
 def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     """Environment at the given times, `time` of any shape [s] after the epoch of the elements."""
+    sine = sinusoidal_torque(time, surroundings.sine_amplitude, surroundings.sine_frequency)
+    if surroundings.elements is None:
+        still = jnp.zeros_like(sine)
+        upright = jnp.concatenate([jnp.ones_like(sine[..., :1]), still], axis=-1)
+        return Environment(still, upright, still[..., 0], sine)
     position, velocity = kepler.to_state(surroundings.elements, surroundings.mu)
     position, velocity = orbit.propagate(position, velocity, time, surroundings.mu)
     radius = jnp.linalg.norm(position, axis=-1)
@@ -76,7 +82,7 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
         frames.omega_io(position, velocity),
         frames.quaternion_io(position, velocity),
         surroundings.gravity_gradient * 3.0 * surroundings.mu / radius**3,
-        sinusoidal_torque(time, surroundings.sine_amplitude, surroundings.sine_frequency),
+        sine,
     )
 
 

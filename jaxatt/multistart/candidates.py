@@ -48,6 +48,11 @@ class Candidates:
             self.sign[rows],
         )
 
+    def where(self, kept: npt.NDArray[np.bool_], others: Candidates) -> Candidates:
+        """These candidates where `kept` (S,) is true, and the others elsewhere."""
+        count = len(kept)
+        return join(self, others).pick(np.where(kept, np.arange(count), count + np.arange(count)))
+
 
 def join(*parts: Candidates) -> Candidates:
     """One set of candidates out of several."""

@@ -17,6 +17,7 @@ from jaxatt.multistart.batch import (
     sparsify_lanes,
     spend_least,
 )
+from jaxatt.multistart.bounded_batch import polish_bounded, reweight_bounded
 from jaxatt.multistart.candidates import Candidates, evaluate, join
 from jaxatt.multistart.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.multistart.starts import Starts
@@ -93,6 +94,7 @@ class Method:
     def reweights_for(self, task: Task) -> bool:
         """Whether reweighting is chosen and applies."""
         by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
+        by_pulses |= task.system.bounds is not None
         return by_pulses or self.stages_for(task)
 
 
@@ -116,6 +118,8 @@ def _free(task: Task, support: Mask) -> Floats:
 def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
     """Reweighted Newton steps for all lanes, by pulses or stage by stage."""
     run = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
+    if task.system.bounds is not None:
+        run = reweight_bounded
     arguments = count_arguments(task)
     return run(method.form(task), lanes, arguments, settings, method.progress, method.rows)
 
@@ -130,6 +134,8 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
         free = np.where(starts.confined[:, None, None], free * cheap, free)
     rows = np.broadcast_to(np.asarray(task.arguments.row_weight), (count, task.rows)).copy()
     rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
+    if task.system.bounds is not None and method.decides == "l1":
+        return starts.u * free, np.any(free > 0.0, axis=-1, keepdims=True)
     form, lanes = method.form(task), Lanes(starts.u * free, free, rows, starts.sign)
     if method.reweights_for(task):
         found = reweight(task, lanes, method, Reweighting())
@@ -182,6 +188,11 @@ def polish(
     """
     free = _free(task, supports)
     form = method.form(task)
+    if task.system.bounds is not None:
+        lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
+        return polish_bounded(
+            task, form, lanes, count_arguments(task), method.progress, method.rows
+        )
     solve: Callable[..., Any] = solve_lanes
     schedule = SLACK if form.slacks else POLISH
     if method.stages_for(task):

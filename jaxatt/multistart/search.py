@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxatt.multistart.bounded_search import search_bounded
 from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
 from jaxatt.multistart.enumeration import from_pairs
 from jaxatt.multistart.local_search import improve
@@ -61,6 +62,8 @@ def search(
         inner minimiser lets the augmented Lagrangian do all of it.  "riccati" reweights and
         polishes stage by stage; "auto" does so where path constraints rule out pulses.
     """
+    if task.system.bounds is not None and inner != "auto":
+        raise ValueError(f'inner = {inner!r}: thrusters have a method of their own; choose "auto"')
     if inner == "riccati" and task.system.stages is None:
         raise ValueError("inner = 'riccati': this problem has no stages; choose \"auto\"")
 
@@ -74,6 +77,9 @@ def search(
         u, supports = decide(task, starts, method(decides, "deciding which intervals are active"))
         return polish(task, u, supports, starts.sign, method(decides, "polishing"))
 
+    if task.system.bounds is not None:
+        found = search_bounded(task, count, seed, guess, method)
+        return _chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     ended = from_starts("l1" if task.goal.kind == "l1" else "l0")
@@ -89,21 +95,29 @@ def search(
             pool = join(ended, polish(task, u, supports, way, method("l0", "polishing")))
 
     reached_first = task.goal.terminal == "reach"
-    resting_cost = None
     if not reached_first:
-        resting = _resting(task)
-        resting_cost = float(resting.rank[0, 0])
-        pool = join(pool, resting)
+        pool = join(pool, _resting(task))
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
         usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
         tried: set[bytes] = set()
         pool = join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
+    return _chosen(task, ended, pool)
+
+
+def _chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
+    """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
+    reached_first = task.goal.terminal == "reach"
+    resting_cost = None
+    if not reached_first:
+        resting = _resting(task)
+        resting_cost = float(resting.rank[0, 0])
+        pool = join(pool, resting)
     best = pool.pick(pool.order(reached_first)[0])
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
-    return Found(ended, best, reaching, _distinct(task, ended), resting_cost)
+    return Found(starts, best, reaching, _distinct(task, starts), resting_cost)
 
 
 def _pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:

@@ -58,6 +58,8 @@ class SparseSystem:
     equations : (u, weights, moved, accurate, plant) -> the same errors, linearised for a weighted
         step with derivatives that are nearly right; None where `response` is as cheap.
     limits : plant -> (n, b), rows l of the control limits |l u[k]| <= 1.
+    bounds : plant -> (b,) and (b,), limits lower <= u[k] <= upper that each control has of its own;
+        given instead of `limits` where controls are one-sided, as thrusters are.
     stages : number of controls b -> the same system interval by interval, without cost and
         without the control limits, its arguments `SparseArguments`; None where it has no such form.
     """
@@ -69,6 +71,7 @@ class SparseSystem:
     response: Callable[[Array, Any], tuple[Array, Array]] | None = None
     equations: Callable[[Array, Array, Array, Array, Any], Equations] | None = None
     limits: Callable[[Any], Array] | None = None
+    bounds: Callable[[Any], tuple[Array, Array]] | None = None
     stages: Callable[[int], StagedProgram] | None = None
 
     def linearise(self, plant: Any) -> Linearise:

@@ -28,12 +28,15 @@ class SlewParameters:
 
     body : inertias.  table : environment along the orbit.
     start : (7,), q_ib and omega_ib [rad/s] at the first node.
-    momentum : (3,) [N m s], total momentum at the first node in inertial axes.
+    momentum : (3,) [N m s], total momentum at the first node, in inertial axes; where thrusters
+        act, in body axes.
     reference : (4,), target q_ob; its sign selects the way round.
     reference_rate : (3,) [rad/s], target omega_ob.
     waypoint : (4,), attitude at `waypoint_node`; waypoint_node : () int, in 1 .. N.
     to_body : (3, b) [N m], body torque of a unit of the scaled controls.
+    to_external : (3, b) [N m], body torque of thrusters of a unit of the scaled controls.
     to_wheels : (n, b), wheel torques in units of their limits.
+    lower, upper : (b,), limits of the scaled controls; infinite where they have none of their own.
     step : () [s], length of an interval.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
     wheel_torque : (n, b) [N m], wheel torques of a unit of the controls;
@@ -49,7 +52,10 @@ class SlewParameters:
     waypoint: Array
     waypoint_node: Array
     to_body: Array
+    to_external: Array
     to_wheels: Array
+    lower: Array
+    upper: Array
     step: Array
     wheel_speed: Array
     wheel_axes: Array
@@ -62,13 +68,15 @@ class SlewParameters:
 class SlewForm:
     """What is compiled in: which terms a slew has.
 
-    gyroscopic : whether the total momentum is so large that `pulse_response` does not hold.
+    gyroscopic : whether the total momentum is so large that `pulse_equations` does not hold.
+    propelled : whether thrusters act, which change the total momentum.
     """
 
     disturbed: bool = False
     has_waypoint: bool = False
     speed_limited: bool = False
     gyroscopic: bool = False
+    propelled: bool = False
 
 
 def attitude_row(reference: Array, q: Array) -> Array:
@@ -151,6 +159,11 @@ def speed_margins(u: Array, p: SlewParameters, form: SlewForm) -> Array:
         return jnp.zeros((0,), u.dtype)
     relative = wheel_speeds(u, p, form) / p.speed_limit[None]
     return jnp.concatenate([(1.0 - relative).ravel(), (1.0 + relative).ravel()])
+
+
+def bound_margins(u: Array, p: SlewParameters) -> Array:
+    """Distance of every scaled control to its own limits, (N, 2 b)."""
+    return jnp.concatenate([p.upper[None] - u, u - p.lower[None]], axis=1)
 
 
 def torque_margins(u: Array, p: SlewParameters) -> Array:

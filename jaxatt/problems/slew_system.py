@@ -5,14 +5,17 @@ from __future__ import annotations
 import functools
 from dataclasses import replace
 
+import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.problems.equations import Equations
 from jaxatt.problems.hands_off import SparseSystem
+from jaxatt.problems.propelled_response import propelled_response, propelled_rows
 from jaxatt.problems.pulse_equations import pulse_equations
 from jaxatt.problems.slew import (
     SlewForm,
     SlewParameters,
+    bound_margins,
     speed_margins,
     terminal_rows,
     torque_margins,
@@ -30,6 +33,15 @@ def _equations(
 @functools.cache
 def slew_system(form: SlewForm) -> SparseSystem:
     """The slew as a system for sparse control, with the terms of `form` compiled in."""
+    if form.propelled:
+        return SparseSystem(
+            rows=lambda u, p: propelled_rows(u, p, form),
+            margins=lambda u, p: jnp.zeros((0,), u.dtype),
+            stage_margins=bound_margins,
+            turned=lambda p, sign: replace(p, reference=p.reference * sign),
+            response=lambda u, p: propelled_response(u, p, form),
+            bounds=lambda p: (p.lower, p.upper),
+        )
     by_pulses = not (form.gyroscopic or form.speed_limited)
     return SparseSystem(
         rows=lambda u, p: terminal_rows(u, p, form),

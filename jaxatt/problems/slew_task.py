@@ -1,4 +1,4 @@
-"""A slew of a spacecraft with reaction wheels: arguments for the solver, and its judge."""
+"""A slew of a spacecraft: arguments for the solver, and its judge."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from jaxatt.attitude import errors, quaternion
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
 from jaxatt.problems import sparsity
 from jaxatt.problems.hands_off import SparseArguments
+from jaxatt.problems.mounting import mounting
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
 from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
@@ -21,11 +22,13 @@ from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.momentum_model import BodyParameters
+from jaxatt.simulation.pulse_flight import fly_pulses
+from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _SMALL_GYROSCOPIC_TURN = 0.5
-"""|H| T / J up to which the derivatives of `pulse_response` make Newton's method contract well."""
+"""|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
 
 _LONGEST_SUBSTEP_PHASE = 0.35
 """[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
@@ -94,9 +97,13 @@ def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
 
 @functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
 def _fly_many(
-    craft: Spacecraft, start: AttitudeState, wheel_torque: Array, table: EnvironmentTable
+    craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
-    return jax.vmap(lambda torque: fly_torque(craft, start, torque, table))(wheel_torque)
+    return jax.vmap(lambda one: fly_torque(craft, start, one, table))(torque)
+
+
+_fly_pulses = jax.jit(fly_pulses, static_argnums=6)
+_COARSE_PIECES = 4
 
 
 class SlewTask(Task):
@@ -139,23 +146,19 @@ class SlewTask(Task):
             jnp.asarray(departure.omega_bw),
             jax.tree.map(lambda leaf: leaf[0], self.table.nodes),
         )
-        wheels = craft.wheels
-        limit = np.asarray(wheels.torque_limit)
-        allocation = np.asarray(wheels.allocation)
-        if axes == "body":
-            self.scale = np.full(3, limit.max())
-            self._to_body, self._to_wheel = np.eye(3), allocation
-        else:
-            self.scale = limit
-            self._to_body, self._to_wheel = np.asarray(wheels.axes), np.eye(wheels.count)
+        self.mounting = mounting(craft, axes)
+        self.scale = self.mounting.scale
         self.size = len(self.scale)
         form = SlewForm(
             disturbed=bool(surroundings.gravity_gradient) or bool(surroundings.sine_amplitude),
             has_waypoint=passage is not None,
-            speed_limited=enforce_speed_limits and self.has_speed_limits,
+            speed_limited=enforce_speed_limits
+            and self.has_speed_limits
+            and craft.thrusters.count == 0,
             gyroscopic=self._gyroscopic_turn() > _SMALL_GYROSCOPIC_TURN,
+            propelled=craft.thrusters.count > 0,
         )
-        self.system = slew_system(form)
+        self.form, self.system = form, slew_system(form)
         if goal.terminal == "penalty":
             self.sparsity_weight = goal.weights.sparsity
             l1 = goal.kind == "l1"
@@ -176,7 +179,7 @@ class SlewTask(Task):
 
     def _arguments(self, weight: Floats, forbidden: Flags) -> SparseArguments:
         craft, start, goal = self.craft, self.start, self.goal
-        wheels = craft.wheels
+        wheels, m = craft.wheels, self.mounting
         inertia = jnp.asarray(craft.inertia)
         reference = np.asarray(self.aim.q_ob)
         reference = reference * (1.0 if float(reference @ np.asarray(start.q_ob)) >= 0 else -1.0)
@@ -189,24 +192,31 @@ class SlewTask(Task):
             body=BodyParameters(inertia, jnp.linalg.inv(jnp.asarray(craft.inertia_without_spin))),
             table=coarsen(self.table, self.intervals, self.substeps),
             start=jnp.concatenate([q_ib, start.omega_ib]),
-            momentum=quaternion.rotate(q_ib, momentum),
+            momentum=momentum if self.form.propelled else quaternion.rotate(q_ib, momentum),
             reference=jnp.asarray(reference),
             reference_rate=jnp.asarray(self.aim.omega_ob),
             waypoint=jnp.asarray(waypoint),
             waypoint_node=jnp.asarray(1 if passing is None else passing.node),
-            to_body=jnp.asarray(self._to_body * self.scale),
+            to_body=jnp.asarray(m.to_body * self.scale),
+            to_external=jnp.asarray(m.to_external * self.scale),
             to_wheels=jnp.asarray(
-                self._to_wheel * self.scale / np.asarray(wheels.torque_limit)[:, None]
+                m.to_wheel * self.scale / np.asarray(wheels.torque_limit)[:, None]
             ),
+            lower=jnp.asarray(m.lower),
+            upper=jnp.asarray(m.upper),
             step=jnp.asarray(self.step),
             wheel_speed=jnp.asarray(start.omega_bw),
             wheel_axes=jnp.asarray(wheels.axes),
             wheel_inertia=jnp.asarray(wheels.inertia),
-            wheel_torque=jnp.asarray(self._to_wheel * self.scale),
+            wheel_torque=jnp.asarray(m.to_wheel * self.scale),
             speed_limit=jnp.asarray(wheels.speed_limit),
         )
-        effort_map = self._to_body * self.scale / self.scale.max()
-        if self.axes == "wheels":
+        effort_map = m.to_body * self.scale / self.scale.max()
+        if self.form.propelled:
+            # Each actuator pays for itself: the torques of opposed thrusters must not cancel.
+            pushes = np.abs(m.to_body + m.to_external).sum(axis=0)
+            effort_map = np.diag(pushes * self.scale / self.scale.max())
+        elif self.axes == "wheels":
             # The null space of the mounting turns nothing; a little cost keeps it still.
             effort_map = np.concatenate([effort_map, 1e-3 * np.eye(self.size)])
         w = goal.weights
@@ -225,11 +235,14 @@ class SlewTask(Task):
         )
 
     def to_controls(self, u: Floats | Array) -> Floats:
-        """Torques on the wheels in the optimisation's axes [N m], within limits, thresholded."""
-        torque = np.asarray(u, float) * self.scale
+        """Torques in the optimisation's axes [N m], within limits, thresholded."""
+        bounded = np.clip(np.asarray(u, float), self.mounting.lower, self.mounting.upper)
+        torque = bounded * self.scale
         size = np.abs(torque).max(axis=-1, keepdims=True) if self.shared else np.abs(torque)
         torque = np.where(size <= self.threshold, 0.0, torque)
-        relative = np.abs(torque @ self._to_wheel.T) / np.asarray(self.craft.wheels.torque_limit)
+        if self.craft.wheels.count == 0:
+            return np.asarray(torque)
+        relative = np.abs(self.wheel_torque(torque)) / np.asarray(self.craft.wheels.torque_limit)
         return np.asarray(torque / np.maximum(1.0, relative.max(axis=-1, keepdims=True)))
 
     def from_controls(self, controls: Floats) -> Floats:
@@ -238,45 +251,82 @@ class SlewTask(Task):
 
     def wheel_torque(self, controls: Floats) -> Floats:
         """Wheel torques (..., N, n) [N m]."""
-        return np.asarray(controls @ self._to_wheel.T)
+        return np.asarray(controls @ self.mounting.to_wheel.T)
+
+    def thrust(self, controls: Floats) -> Floats:
+        """Torque of each thruster (..., N, m) [N m]."""
+        return np.asarray(controls @ self.mounting.to_thrust.T)
 
     def body_torque(self, controls: Floats) -> Floats:
         """Torque on the wheels in body axes, (..., N, 3) [N m]."""
-        return np.asarray(controls @ self._to_body.T)
+        return np.asarray(controls @ self.mounting.to_body.T)
+
+    def external_torque(self, controls: Floats) -> Floats:
+        """Torque of the thrusters in body axes, (..., N, 3) [N m]."""
+        return np.asarray(controls @ self.mounting.to_external.T)
 
     def fly(self, controls: Floats) -> Trajectory:
         """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
         start, craft, table = self.start, self.craft, self.table
-        wheel = self.wheel_torque(controls)
+        torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
         return in_chunks(
             lambda chunk: _fly_many(craft, start, chunk, table),
-            wheel,
-            key=("fly", wheel.shape[1:], table.stages.gradient.shape),
+            torque,
+            key=("fly", torque.shape[1:], table.stages.gradient.shape),
         )
+
+    def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
+        """Fly openings of valves at their exact times on the full model, then coast.
+
+        coarse : with few Runge-Kutta steps, for iterations; at least 20 an interval otherwise.
+        """
+        flown = _fly_pulses(
+            self.craft,
+            self.start,
+            jnp.asarray(pulses.wheel_torque),
+            jnp.asarray(pulses.opens),
+            jnp.asarray(pulses.shuts),
+            self.table,
+            _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS,
+        )
+        return jax.tree.map(np.asarray, flown)
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
+        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+
+    def end_errors(self, q_ob: Floats | Array, omega_ob: Floats | Array) -> dict[str, Floats]:
+        """Errors (S,) of flights (S, nodes, ...) at the end of the horizon, as `tolerances`."""
+        end = self.intervals
+        return {
+            "attitude": _compared(self.aim.q_ob, q_ob[:, end])[0],
+            "rate": np.linalg.norm(omega_ob[:, end] - self.aim.omega_ob, axis=-1),
+        }
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
         """Errors of a flight at the end of the horizon and at the waypoint."""
         end = self.intervals
-        found = {
-            "attitude": _compared(self.aim.q_ob, flown.q_ob[:, end])[0],
-            "rate": np.linalg.norm(flown.omega_ob[:, end] - self.aim.omega_ob, axis=-1),
-        }
-        tolerances = {
-            "attitude": self.aim.attitude_tolerance,
-            "rate": self.aim.rate_tolerance,
-        }
+        found, tolerances = self.end_errors(flown.q_ob, flown.omega_ob), self.tolerances
         if self.passage is not None:
             q = flown.q_ob[:, self.passage.node]
             found["waypoint"] = _compared(self.passage.q_ob, q)[0]
             tolerances["waypoint"] = self.passage.tolerance
-        wheels = self.craft.wheels
-        excess = np.abs(self.wheel_torque(controls)) - np.asarray(wheels.torque_limit)
+        wheels, thrusters = self.craft.wheels, self.craft.thrusters
+        wheel, thrust = self.wheel_torque(controls), self.thrust(controls)
+        excess = np.concatenate(
+            [
+                np.abs(wheel) - np.asarray(wheels.torque_limit),
+                np.maximum(thrust - np.asarray(thrusters.torque_limit), -thrust),
+            ],
+            axis=-1,
+        )
         speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
         return Verdict(
             found,
             tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2))),
-            np.maximum(0.0, speed.max(axis=(1, 2))),
+            np.maximum(0.0, speed.max(axis=(1, 2), initial=-1.0)),
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
@@ -286,7 +336,9 @@ class SlewTask(Task):
 
     def effort(self, controls: Floats) -> Floats:
         """Sum over intervals and body axes of |tau| h, (S,) [N m s]."""
-        return np.asarray(np.abs(self.body_torque(controls)).sum(axis=(-2, -1)) * self.step)
+        wheels = np.abs(self.body_torque(controls)).sum(axis=(-2, -1))
+        pushes = np.abs(self.mounting.to_external).sum(axis=0)
+        return np.asarray((wheels + (np.abs(controls) @ pushes).sum(axis=-1)) * self.step)
 
     def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
         """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""
@@ -303,7 +355,21 @@ class SlewTask(Task):
             parts["l1"] = w.sparsity * self.slack_sum(controls)
         else:
             parts["sparsity"] = w.sparsity * self._support_cost(controls)
+        if self.form.propelled and w.on_off > 0.0:
+            parts["on_off"] = w.on_off * self._partly_open(controls)
         return parts
+
+    def _partly_open(self, controls: Floats) -> Floats:
+        """Sum of t (limit - t) over the thrusters of active intervals, or of idle ones, (S,).
+
+        Kristiansen and Gravdahl (2023), eq. 11.  As printed the factor is xi, which is zero
+        wherever a thruster fires; the text describes 1 - xi.
+        """
+        thrust = self.thrust(controls)
+        xi = sparsity.complementarity_vector(controls, self.goal.epsilon, True)
+        factor = xi if self.goal.weights.on_off_idle else 1.0 - xi
+        partly = thrust * (np.asarray(self.craft.thrusters.torque_limit) - thrust)
+        return np.asarray((factor * partly.sum(axis=-1)).sum(axis=-1))
 
     def _support_cost(self, controls: Floats) -> Floats:
         xi = sparsity.complementarity_vector(controls, self.goal.epsilon, self.shared)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -21,12 +22,18 @@ _BINDING = 1e-3
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of the printed cost (5.3a), Schaanning (2021), table 5.1; k1 [s^2], k2, k3, a3."""
+    """Weights of the printed cost (5.3a), Schaanning (2021), table 5.1; k1 [s^2], k2, k3, a3.
+
+    on_off : k4 [1/(N m)^2] of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters;
+    on_off_idle : whether the term is multiplied by xi, as printed, which idle intervals have.
+    """
 
     rate: float
     attitude: float
     sparsity: float
     waypoint: float
+    on_off: float = 0.0
+    on_off_idle: bool = False
 
 
 @dataclass(frozen=True)
@@ -126,6 +133,14 @@ class Task(ABC):
     def shared(self) -> bool:
         """Whether all controls of an interval count as one."""
         return self.goal.design == 1
+
+    def reaching(self) -> Task:
+        """The same task with the target as a constraint instead of a cost."""
+        other = copy.copy(self)
+        other.goal = replace(self.goal, terminal="reach")
+        other.arguments = replace(self.arguments, row_weight=jnp.full(self.rows, jnp.inf))
+        other.sparsity_weight = other.effort_weight = 1.0
+        return other
 
     @abstractmethod
     def to_controls(self, u: Floats | Array) -> Floats:

@@ -24,6 +24,7 @@ _SERIES = {
     "omega_bw": (("time", "wheel"), "rad/s", "wheel speed relative to the body"),
     "torque_body": (("interval", "axis"), "N m", "torque on the wheels in body axes"),
     "torque_wheels": (("interval", "wheel"), "N m", "torque on each wheel"),
+    "torque_thrusters": (("interval", "thruster"), "N m", "torque of each thruster, relaxed"),
     "state": (("time", "component"), "1", "state"),
     "control": (("interval", "input"), "1", "control"),
 }
@@ -77,6 +78,10 @@ def _coordinates(leg: Leg) -> dict[str, _Variable]:
         wheels = leg.series["omega_bw"].shape[1]
         coordinates["axis"] = (("axis",), ["x", "y", "z"], {"long_name": "body axis"})
         coordinates["wheel"] = (("wheel",), np.arange(1, wheels + 1), {"long_name": "wheel"})
+        if "torque_thrusters" in leg.series:
+            count = leg.series["torque_thrusters"].shape[1]
+            words = {"long_name": "thruster"}
+            coordinates["thruster"] = (("thruster",), np.arange(1, count + 1), words)
         coordinates["quaternion"] = (
             ("quaternion",),
             ["w", "x", "y", "z"],
@@ -117,10 +122,21 @@ def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:
         variables[f"objective_{name}"] = _labelled(cost, (), "1", f"{name} part of the objective")
     if alternative:
         other = leg if leg.alternative is None else leg.alternative
-        key = "torque_body" if "torque_body" in leg.series else "control"
+        known = ("torque_body", "torque_thrusters", "control")
+        key = next(name for name in known if name in leg.series)
         variables[f"alternative_{key}"] = _labelled(
             other.series[key], _SERIES[key][0], _SERIES[key][1], "of the best answer that reaches"
         )
+    for valves in leg.quantised[:1]:
+        flown: dict[str, tuple[Any, tuple[str, ...], str, str]] = {
+            "opens": (valves.opens, ("interval", "thruster"), "s", "opening after its start"),
+            "shuts": (valves.shuts, ("interval", "thruster"), "s", "shutting after its start"),
+            "q_ob": (valves.q_ob, ("time", "quaternion"), "1", "attitude with valves"),
+            "omega_ob": (valves.omega_ob, ("time", "axis"), "rad/s", "rate with valves"),
+            "attitude_error": (valves.errors["attitude"], (), "rad", "attitude error with valves"),
+            "rate_error": (valves.errors["rate"], (), "rad/s", "rate error with valves"),
+        }
+        variables |= {f"quantised_{name}": _labelled(*rest) for name, rest in flown.items()}
     return variables | _starts(leg)
 
 

@@ -19,6 +19,7 @@ from jaxatt.report.timeline import Timeline, timeline
 
 ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
 AXES = ("x", "y", "z")
+_TORQUES = {"body": "body", "wheels": "wheel", "thrusters": "thruster"}
 _RPM = 60.0 / (2.0 * np.pi)
 _euler = jax.jit(euler.from_quaternion)
 
@@ -86,7 +87,8 @@ def relative_rate(axes: Axes, result: Result) -> None:
     _lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), names)
     for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
         _references(axes, start, end, np.degrees(leg.reference["omega_ob"]))
-    axes.set_ylabel(r"$\omega_{ob}^{b}$ [deg/s]")
+    frame = "ib" if result.scenario.orbit is None else "ob"
+    axes.set_ylabel(rf"$\omega_{{{frame}}}^{{b}}$ [deg/s]")
 
 
 def wheel_speeds(axes: Axes, result: Result) -> None:
@@ -136,10 +138,13 @@ def pulses(
 
 
 def torque_rows(result: Result, kind: str) -> list[tuple[Floats, str, float]]:
-    """Values (I,), name and limit of each torque in mN m; `kind` is "body" or "wheels"."""
+    """Values (I,), name and limit of each torque in mN m; "body", "wheels" or "thrusters"."""
     vehicle = result.scenario.vehicle
     assert vehicle is not None
-    if kind == "body":
+    if kind == "thrusters":
+        limit = np.asarray(vehicle.thrusters.torque_limit)
+        names = [rf"$\tau_{{u,{i + 1}}}$" for i in range(len(limit))]
+    elif kind == "body":
         limit = body_torque_limit(vehicle.wheels, result.scenario.control.axes == "body")
         names = [rf"$\tau_{{b,{axis}}}$" for axis in AXES]
     else:
@@ -155,7 +160,44 @@ def torque(axes: Axes, result: Result, kind: str) -> None:
     line = timeline(result)
     for index, (values, name, limit) in enumerate(torque_rows(result, kind)):
         pulses(axes, line, values, index, name, limit, opacity=0.15)
-    axes.set_ylabel(f"{'body' if kind == 'body' else 'wheel'} torque\n[mN m]")
+    if kind == "thrusters":
+        axes.set_ylim(bottom=0.0)
+    axes.set_ylabel(f"{_TORQUES[kind]} torque\n[mN m]")
+
+
+def valves(axes: Axes, result: Result) -> None:
+    """When each thruster is open after quantisation, one row a thruster."""
+    vehicle = result.scenario.vehicle
+    assert vehicle is not None
+    count = vehicle.thrusters.count
+    for leg in result.legs:
+        for found in leg.quantised[:1]:
+            starts = leg.start_time + leg.step * np.arange(len(found.opens))
+            for j in range(count):
+                spans = np.stack([starts + found.opens[:, j], (found.shuts - found.opens)[:, j]])
+                open_now = spans[1] > 0.0
+                axes.broken_barh(
+                    spans[:, open_now].T.tolist(), (j + 0.6, 0.8), facecolors=colour(j)
+                )
+    axes.set_yticks(range(1, count + 1))
+    axes.set_ylim(count + 0.6, 0.4)
+    axes.set_ylabel("open valves")
+
+
+def quaternion_components(axes: Axes, result: Result) -> None:
+    """Components of the attitude quaternion with dotted references, of the sign nearer the end."""
+    line = timeline(result)
+    values = line.nodes["q_ob"]
+    signs = np.cumprod(
+        np.concatenate([[1.0], np.where(np.sum(values[1:] * values[:-1], axis=1) < 0, -1.0, 1.0)])
+    )
+    values = values * signs[:, None]
+    _lines(axes, line.time, values, [r"$\eta$", *(rf"$\epsilon_{i}$" for i in (1, 2, 3))])
+    for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
+        at_end = values[np.searchsorted(line.time, end - 1e-9)]
+        wanted = leg.reference["q_ob"]
+        _references(axes, start, end, wanted if wanted @ at_end >= 0.0 else -wanted)
+    axes.set_ylabel("quaternion")
 
 
 def control(axes: Axes, result: Result) -> None:

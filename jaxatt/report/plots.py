@@ -17,12 +17,17 @@ from jaxatt.report.wording import OBJECTIVES, plural
 
 Panel = Callable[[Axes, Result], None]
 
-_SPACECRAFT: Mapping[str, Panel] = {
+_ATTITUDE: Mapping[str, Panel] = {
     "euler_angles": panels.euler_angles,
     "omega_ob": panels.relative_rate,
+}
+_WHEELS: Mapping[str, Panel] = {
     "torque_body": lambda axes, result: panels.torque(axes, result, "body"),
     "torque_wheels": lambda axes, result: panels.torque(axes, result, "wheels"),
     "wheel_speeds": panels.wheel_speeds,
+}
+_THRUSTERS: Mapping[str, Panel] = {
+    "torque_thrusters": lambda axes, result: panels.torque(axes, result, "thrusters"),
 }
 _TOY: Mapping[str, Panel] = {"control": panels.control, "state": panels.states}
 
@@ -101,7 +106,17 @@ def headline(result: Result) -> str:
 
 
 def _panels(result: Result) -> Mapping[str, Panel]:
-    return _TOY if result.scenario.vehicle is None else _SPACECRAFT
+    vehicle = result.scenario.vehicle
+    if vehicle is None:
+        return _TOY
+    chosen = dict(_ATTITUDE)
+    if vehicle.thrusters.count:
+        chosen = {"quaternion": panels.quaternion_components, **chosen, **_THRUSTERS}
+        if any(leg.quantised for leg in result.legs):
+            chosen["valves"] = panels.valves
+    if vehicle.wheels.count:
+        chosen |= _WHEELS
+    return chosen
 
 
 def _torque(result: Result, kind: str) -> Picture:
@@ -112,9 +127,11 @@ def _torque(result: Result, kind: str) -> Picture:
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axes, (values, name, limit)) in enumerate(zip(grid, rows, strict=True)):
         panels.pulses(axes, line, values, index, name, limit)
+        if kind == "thrusters":
+            axes.set_ylim(bottom=0.0)
         panels.shade(axes, result, legend=index == 0)
-    where = "in body axes" if kind == "body" else "of the wheels"
-    figure.supylabel(f"torque {where} [mN m]", fontsize="medium")
+    where = {"body": "in body axes", "wheels": "of the wheels", "thrusters": "of the thrusters"}
+    figure.supylabel(f"torque {where[kind]} [mN m]", fontsize="medium")
     grid[-1].set_xlabel("time [s]")
     return figure
 

@@ -45,6 +45,35 @@ class StartsRecord:
 
 
 @dataclass(frozen=True, eq=False)
+class Valves:
+    """An answer whose thrusters are open or shut, as it flew.
+
+    mode : "pulse-width" or "interval".  opens, shuts : (N, m) [s] from each interval's start.
+    q_ob : (M, 4), omega_ob : (M, 3) [rad/s] at the M nodes of the flight.
+    errors : "attitude" [rad] and "rate" [rad/s].  reached : whether within tolerance.
+    active : (N,), intervals with any torque.  on_time : (m,) [s].
+    partly_open : sampled torques that are neither zero nor the limit.
+    opposed : intervals in which opposed thrusters are open together.
+    """
+
+    mode: str
+    opens: Floats
+    shuts: Floats
+    q_ob: Floats
+    omega_ob: Floats
+    errors: Mapping[str, float]
+    reached: bool
+    active: Flags
+    on_time: Floats
+    partly_open: int
+    opposed: int
+
+    def __repr__(self) -> str:
+        count = plural(int(self.active.sum()), "active interval")
+        return f"Valves({self.mode}, {'reached' if self.reached else 'not reached'}, {count})"
+
+
+@dataclass(frozen=True, eq=False)
 class Leg:
     """One optimisation, flown again.
 
@@ -53,7 +82,8 @@ class Leg:
     cheap window.  forbidden : (N,), intervals where torque is not allowed.
     series : name -> array sampled in flight; for a spacecraft "q_ob" (M, 4), "omega_ob" (M, 3)
     [rad/s], "omega_ib" (M, 3) [rad/s], "omega_bw" (M, n) [rad/s] at the M = N + coast + 1 nodes,
-    "torque_body" (N, 3) and "torque_wheels" (N, n) [N m]; for a toy "state" (N + 1, 2) and
+    "torque_body" (N, 3), "torque_wheels" (N, n) and "torque_thrusters" (N, m) [N m], the last three
+    where there are such actuators; for a toy "state" (N + 1, 2) and
     "control" (N, 1).
     reference : name -> target of a series, e.g. "q_ob" (4,), "omega_ob" (3,), "state" (2,).
     errors, tolerances : name -> number: "attitude" [rad], "rate" [rad/s], "waypoint" [rad] or
@@ -64,6 +94,8 @@ class Leg:
     obstacle : what stood in the way if it is not, in words; empty otherwise.
     starts : how every start ended.
     alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
+    quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
+        other way; empty without thrusters, or where it asks for none.
     """
 
     start_time: float
@@ -86,6 +118,7 @@ class Leg:
     active: Flags
     starts: StartsRecord
     alternative: Leg | None = None
+    quantised: tuple[Valves, ...] = ()
 
     @property
     def active_intervals(self) -> int:

@@ -18,7 +18,7 @@ import numpy as np
 
 from jaxatt.optimize.status import Status
 from jaxatt.report.files import replacing
-from jaxatt.report.result import Leg, Result, StartsRecord
+from jaxatt.report.result import Leg, Result, StartsRecord, Valves
 
 _ERRORS = {
     "attitude_error_deg": ("attitude", math.degrees(1.0)),
@@ -58,6 +58,7 @@ def summary(result: Result) -> dict[str, Any]:
             **body,
             "do_nothing_cost": do_nothing_cost(result),
             "alternative": None if alternative is None else _leg(alternative),
+            "quantised_otherwise": _other_way(result.legs) if not several else None,
             "legs": numbered if several else [],
             "time_s": {name: result.time.get(name) for name in ("compile", "solve", "verify")},
             "seed": result.seed,
@@ -117,8 +118,48 @@ def _leg(leg: Leg) -> dict[str, Any]:
         "max_torque_violation_Nm": leg.limit_violation,
         "max_complementarity_Nm": leg.max_complementarity,
         "l1_effort_Nms": leg.effort,
+        "quantised": valves_summary(leg.quantised[0]) if leg.quantised else None,
         "obstacle": leg.obstacle,
         "starts": starts_summary(leg.starts),
+    }
+
+
+def valves_summary(valves: Valves) -> dict[str, Any]:
+    """An answer with thrusters open or shut in plain numbers; `on_time_s` by thruster."""
+    active = int(valves.active.sum())
+    return {
+        "mode": valves.mode,
+        "status": "reached" if valves.reached else "not reached",
+        "active_intervals": active,
+        "relative_sparsity_percent": 100.0 * active / len(valves.active),
+        "attitude_error_deg": math.degrees(valves.errors["attitude"]),
+        "rate_error_rad_s": valves.errors["rate"],
+        "on_time_s": valves.on_time.tolist(),
+        "partially_open_samples": valves.partly_open,
+        "opposed_firings": valves.opposed,
+    }
+
+
+def _other_way(legs: Sequence[Leg]) -> dict[str, Any] | None:
+    """The way of quantising that the scenario did not ask for, of a single leg."""
+    others = legs[0].quantised[1:]
+    return valves_summary(others[0]) if others else None
+
+
+def _valves_together(legs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    reached = all(leg["status"] == "reached" for leg in legs)
+    return {
+        "mode": legs[0]["mode"],
+        "status": "reached" if reached else "not reached",
+        "active_intervals": sum(leg["active_intervals"] for leg in legs),
+        "relative_sparsity_percent": float(
+            np.mean([leg["relative_sparsity_percent"] for leg in legs])
+        ),
+        "attitude_error_deg": float(np.max([leg["attitude_error_deg"] for leg in legs])),
+        "rate_error_rad_s": float(np.max([leg["rate_error_rad_s"] for leg in legs])),
+        "on_time_s": np.sum([leg["on_time_s"] for leg in legs], axis=0).tolist(),
+        "partially_open_samples": sum(leg["partially_open_samples"] for leg in legs),
+        "opposed_firings": sum(leg["opposed_firings"] for leg in legs),
     }
 
 
@@ -135,6 +176,8 @@ def _together(legs: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, An
         for number, leg in enumerate(legs)
         for index in leg["active_interval_indices"]
     ]
+    valves = [leg["quantised"] for leg in legs]
+    together["quantised"] = None if None in valves else _valves_together(valves)
     count = together["active_intervals"]
     reached = all(leg["status"] == "reached" for leg in legs)
     together["status"] = "reached" if reached else "not reached"

@@ -47,10 +47,16 @@ def result_table(result: Result) -> Table:
     return table
 
 
-def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
+def comparison_table(
+    title: str,
+    rows: Sequence[Mapping[str, Any]],
+    printed: Mapping[str, Any] | None = None,
+    findings: Sequence[str] = (),
+) -> Group:
     """Rows of a comparison: what was found with the printed values beside, then how good it is.
 
-    rows : as `jaxatt.comparison.Row.to_dict` gives them.
+    rows : as `jaxatt.comparison.Row.to_dict` gives them.  printed : the scenario's printed values.
+    findings : sentences below the tables.
     """
     toy = all(row["state_error"] is not None for row in rows)
     errors: tuple[str, ...] = ("attitude [deg]", "rate [rad/s]")
@@ -58,8 +64,16 @@ def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
         errors = ("state error", "in tolerance")
     passing = any(row["waypoint_error_deg"] is not None for row in rows)
     errors += ("waypoint [deg]",) if passing else ()
+    sparsity = any(row["printed"]["relative_sparsity_percent"] is not None for row in rows)
     found = _controllers(
-        ("active (printed)", "intervals", "outside windows (printed)", "weighted", "optimised in"),
+        (
+            "active (printed)",
+            *(("% of all (printed)",) if sparsity else ()),
+            "intervals",
+            "outside windows (printed)",
+            "weighted",
+            "optimised in",
+        ),
         title,
     )
     judged = _controllers(
@@ -70,6 +84,7 @@ def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
         found.add_row(
             name,
             _beside(row["active_intervals"], row["printed"]["active_intervals"]),
+            *([_share(row)] if sparsity else []),
             indices_text(row["active_interval_indices"]),
             _beside(row["active_outside_windows"], row["printed"]["active_outside_windows"]),
             short(row["weighted_active_intervals"]),
@@ -88,7 +103,48 @@ def comparison_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Group:
             "" if row["starts"] is None else f"{row['starts_reached']} of {row['starts']}",
             _beside(short(row["time_s"], 3), short(row["printed"]["cpu_time_s"], 4)),
         )
-    return Group(found, judged)
+    told = [Text(sentence) for sentence in findings]
+    return Group(found, judged, *([_printed(printed)] if sparsity and printed else []), *told)
+
+
+def sparsity_table(study: Mapping[str, Any]) -> Group:
+    """A study of relative sparsity, as `jaxatt.relative_sparsity.Study.to_dict` gives it."""
+    tables = []
+    for key, title in (
+        ("against_intervals", "Relative sparsity against intervals"),
+        ("against_limit", "Relative sparsity against torque limit"),
+    ):
+        table = Table(title=Text(title, style="bold"), box=box.SIMPLE_HEAD, title_justify="left")
+        for header in ("N", "limit [N m]", "active", "found [%]", "one axis [%]", "bound [%]"):
+            table.add_column(Text(header), justify="right")
+        for point in study[key]:
+            table.add_row(
+                str(point["intervals"]),
+                short(point["torque_limit_Nm"]),
+                str(point["active_intervals"]) if point["reached"] else "not reached",
+                short(point["percent"]) if point["reached"] else "",
+                short(point["eigenaxis_percent"]),
+                short(point["bound_percent"]),
+            )
+        tables.append(table)
+    return Group(*tables)
+
+
+def _share(row: Mapping[str, Any]) -> str:
+    printed = row["printed"]["relative_sparsity_percent"]
+    return _beside(short(row["relative_sparsity_percent"]), short(printed))
+
+
+def _printed(printed: Mapping[str, Any]) -> Text:
+    """What the source prints beyond counts, by name."""
+    values = {
+        name: value
+        for block in printed.values()
+        if isinstance(block, Mapping)
+        for name, value in block.items()
+    }
+    listed = ", ".join(f"{name} {value}" for name, value in values.items())
+    return Text(f"Printed in table {printed.get('table', '?')}: {listed}.")
 
 
 def _controllers(headers: Sequence[str], title: str) -> Table:
@@ -106,18 +162,28 @@ def _controllers(headers: Sequence[str], title: str) -> Table:
 
 
 def resting_sentence(result: Result) -> str:
-    """Say so where the printed cost is lowest without any torque; empty otherwise."""
+    """Say so where the printed cost is lowest at rest, or tumbling, short of the target."""
     cost = do_nothing_cost(result)
     if result.scenario.objective.terminal != "penalty" or cost is None:
-        return ""
-    if any(leg.active.any() for leg in result.legs):
         return ""
     others = [leg.alternative for leg in result.legs if leg.alternative is not None]
     against = ""
     if len(others) == len(result.legs):
         total = sum(other.total_cost for other in others)
         against = f" against {total:.4g} for the best start that reaches"
-    return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
+    if not any(leg.active.any() for leg in result.legs):
+        return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
+    turned = [leg for leg in result.legs if not leg.reached and "rate" in leg.errors]
+    if not turned:
+        return ""
+    worst = max(turned, key=lambda leg: leg.errors["attitude"])
+    return (
+        "The printed objective prefers tumbling to braking: "
+        f"J = {sum(leg.total_cost for leg in result.legs):.4g} ends "
+        f"{math.degrees(worst.errors['attitude']):.3g} deg off at "
+        f"{math.degrees(worst.errors['rate']):.3g} deg/s{against}; "
+        f"not moving costs {cost:.4g}."
+    )
 
 
 def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
@@ -149,6 +215,7 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
         ("rate error [rad/s]", _error(first, "rate", "rate_error_rad_s")),
         ("waypoint error [deg]", _error(first, "waypoint", "waypoint_error_deg")),
         ("state error", _error(first, "state", "state_error")),
+        ("after quantisation", _quantised),
         (
             f"over the limit{'' if toy else ' [N m]'}",
             lambda b: short(b["max_torque_violation_Nm"]),
@@ -169,6 +236,16 @@ def _status(block: _Block) -> Text:
 
 def _active(block: _Block) -> str:
     return f"{block['active_intervals']} ({block['relative_sparsity_percent']:.3g} % of all)"
+
+
+def _quantised(block: _Block) -> str:
+    valves = block.get("quantised")
+    if valves is None:
+        return ""
+    return (
+        f"{valves['status']} ({valves['mode']}): {valves['active_intervals']} active, "
+        f"{short(valves['attitude_error_deg'])} deg, {short(valves['rate_error_rad_s'])} rad/s"
+    )
 
 
 def _error(leg: Leg, name: str, key: str) -> Callable[[_Block], str]:

@@ -10,7 +10,7 @@ import numpy as np
 from jaxatt.report.result import Flags, Floats, Leg, Result
 
 NODE_SERIES = ("q_ob", "omega_ob", "omega_ib", "omega_bw", "state")
-INTERVAL_SERIES = ("torque_body", "torque_wheels", "control")
+INTERVAL_SERIES = ("torque_body", "torque_wheels", "torque_thrusters", "control")
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.environment import KeplerianElements
+from jaxatt.environment import MU_EARTH, KeplerianElements
 from jaxatt.environment.table import Surroundings
 from jaxatt.problems.slew_task import Aim, Departure, Grid, Passage, SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
@@ -34,10 +34,9 @@ def elements_of(orbit: Orbit) -> KeplerianElements:
 def surroundings_of(scenario: Scenario) -> Surroundings:
     """Orbit and known disturbances of a spacecraft's scenario."""
     orbit, disturbances = scenario.orbit, scenario.disturbances
-    assert orbit is not None
     return Surroundings(
-        elements_of(orbit),
-        jnp.asarray(orbit.gravitational_parameter),
+        None if orbit is None else elements_of(orbit),
+        jnp.asarray(MU_EARTH if orbit is None else orbit.gravitational_parameter),
         jnp.asarray(float(disturbances.gravity_gradient)),
         jnp.asarray(disturbances.sinusoidal_torque),
         jnp.asarray(disturbances.sinusoidal_frequency),
@@ -47,7 +46,14 @@ def surroundings_of(scenario: Scenario) -> Surroundings:
 def goal_of(scenario: Scenario) -> Goal:
     """What the scenario minimises."""
     o = scenario.objective
-    weights = Weights(o.rate_weight, o.attitude_weight, o.sparsity_weight, o.waypoint_weight)
+    weights = Weights(
+        o.rate_weight,
+        o.attitude_weight,
+        o.sparsity_weight,
+        o.waypoint_weight,
+        o.on_off_weight,
+        o.on_off_form == "printed",
+    )
     return Goal(o.kind, o.terminal, o.design, o.epsilon, weights)
 
 

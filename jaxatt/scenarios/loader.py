@@ -13,6 +13,7 @@ from jaxatt.scenarios.documents import read_file
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.model import SPACECRAFT, TOY_SYSTEMS, Scenario
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
+from jaxatt.scenarios.valves import check_thrusters
 from jaxatt.scenarios.vehicles import read_vehicle
 from jaxatt.scenarios.windows import read_windows
 
@@ -53,7 +54,7 @@ def from_mapping(
     for key in plain:
         if toy and key not in top_level_keys(TOY_TABLES):
             raise ScenarioError(f"{origin}: {key}: has no meaning for system = {system}; drop it")
-    for key in ("initial", "horizon") if toy else ("vehicle", "orbit", "initial", "horizon"):
+    for key in ("initial", "horizon") if toy else ("vehicle", "initial", "horizon"):
         if key not in plain:
             raise ScenarioError(
                 f"{origin}: [{key}] is missing; `jaxatt scenarios show NAME` prints"
@@ -75,6 +76,16 @@ def from_mapping(
     windows = read_windows(plain.get("windows", []), origin, horizon)
     if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
         notes.append("moving-l0 without a cheap window is the same as l0; add [[windows]]")
+    orbit = settings.read_orbit(plain["orbit"], origin) if "orbit" in plain else None
+    disturbances = settings.read_disturbances(plain.get("disturbances", {}), origin)
+    if disturbances.gravity_gradient and orbit is None:
+        raise ScenarioError(
+            f"{origin}: [disturbances] gravity_gradient = true: there is no [orbit]; add one or "
+            "switch the gravity gradient off"
+        )
+    control = settings.read_control(plain.get("control", {}), origin, vehicle)
+    if vehicle is not None:
+        check_thrusters(plain, origin, vehicle, horizon, objective)
     printed = plain.get("printed", {})
     if not isinstance(printed, dict):
         top.fail("printed", "is not a table", "write [printed] and its keys below")
@@ -84,13 +95,13 @@ def from_mapping(
         source=top.text("source", "not stated"),
         system=system,
         vehicle=vehicle,
-        orbit=None if toy else settings.read_orbit(plain["orbit"], origin),
+        orbit=orbit,
         initial=manoeuvre.read_initial(plain["initial"], origin, vehicle, notes),
         targets=targets,
         waypoint=waypoint,
         horizon=horizon,
-        disturbances=settings.read_disturbances(plain.get("disturbances", {}), origin),
-        control=settings.read_control(plain.get("control", {}), origin, toy),
+        disturbances=disturbances,
+        control=control,
         objective=objective,
         windows=windows,
         solver=settings.read_solver(plain.get("solver", {}), origin),

@@ -103,10 +103,15 @@ class Disturbances:
 
 @dataclass(frozen=True)
 class Control:
-    """Axes of the decision variables ("body" or "wheels"); control bound of a toy system."""
+    """Axes of the decision variables ("body" or "wheels"); control bound of a toy system.
+
+    With thrusters the variables are the torques of the actuators: wheels, then thrusters.
+    quantisation : "pulse-width", "interval" or "none", how thrusters are made fully open or shut.
+    """
 
     axes: str
     limit: float
+    quantisation: str = "none"
 
 
 @dataclass(frozen=True)
@@ -122,6 +127,10 @@ class Objective:
         One complementarity vector for all axes (eq. 5.3) or one an axis (eqs. 5.14, 5.15).
     epsilon : float [N m]
         Relaxation of the complementarity, on the unscaled torque (or a toy's control).
+    on_off_weight : float [1/(N m)^2]
+        k4 of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters.
+    on_off_form : "active" or "printed"
+        Whether the term counts in active intervals (1 - xi) or, as printed, in idle ones (xi).
     """
 
     kind: str
@@ -132,6 +141,8 @@ class Objective:
     attitude_weight: float
     sparsity_weight: float
     waypoint_weight: float
+    on_off_weight: float = 0.0
+    on_off_form: str = "active"
 
 
 @dataclass(frozen=True)
@@ -165,7 +176,7 @@ class Scenario:
     name, title, source : str
     system : "spacecraft", "double-integrator" or "van-der-pol"
     vehicle, orbit
-        None for a toy system.
+        None for a toy system; without an orbit attitudes are relative to the inertial frame.
     targets : tuple of Target
         One, or one a leg for successive optimisations, each over the whole horizon.
     printed : mapping

@@ -14,7 +14,21 @@ _TOP = ("name", "title", "source", "system")
 
 WHEEL_KEYS = ("axes", "inertia_kgm2", "torque_limit_Nm", "speed_limit_rad_s")
 MAGNETORQUER_KEYS = ("dipole_limit_Am2",)
-VEHICLE_FILE_KEYS = ("name", "title", "source", "inertia_kgm2", "wheels", "magnetorquers")
+THRUSTER_KEYS = (
+    "torque_directions",
+    "torque_limit_Nm",
+    "minimum_on_time_s",
+    "minimum_impulse_Nms",
+)
+VEHICLE_FILE_KEYS = (
+    "name",
+    "title",
+    "source",
+    "inertia_kgm2",
+    "wheels",
+    "thrusters",
+    "magnetorquers",
+)
 
 SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": ("use", "file", *VEHICLE_FILE_KEYS),
@@ -37,7 +51,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "sinusoidal_torque_Nm",
         "sinusoidal_frequency_rad_s",
     ),
-    "control": ("axes",),
+    "control": ("axes", "quantisation"),
     "objective": (
         "kind",
         "terminal",
@@ -47,6 +61,8 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "attitude_weight",
         "sparsity_weight",
         "waypoint_weight",
+        "on_off_weight",
+        "on_off_form",
     ),
     "windows": _WINDOW,
     "solver": _SOLVER,
@@ -72,6 +88,7 @@ UNITS = {
     "_deg": "degrees",
     "_km": "kilometres",
     "_Am2": "A m^2",
+    "_Nms": "newton metre seconds",
     "_Nm": "newton metres",
     "_s2": "s^2",
     "_s": "seconds",
@@ -107,7 +124,11 @@ def nearest(name: str, candidates: Iterable[str]) -> str | None:
 def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
     """Return the sentence that helps with an unknown key: a near name, or all that is allowed."""
     # A key that exists in another table was misplaced rather than misspelt.
-    elsewhere = {"vehicle.wheels": WHEEL_KEYS, **SPACECRAFT_TABLES}
+    elsewhere = {
+        "vehicle.wheels": WHEEL_KEYS,
+        "vehicle.thrusters": THRUSTER_KEYS,
+        **SPACECRAFT_TABLES,
+    }
     for other, keys in elsewhere.items():
         if other != table and key in keys:
             return f"did you mean to put it into [{other}]?"

@@ -15,7 +15,9 @@ from jaxatt.scenarios.model import (
     SolverSettings,
 )
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
+from jaxatt.spacecraft import Spacecraft
 
+QUANTISATIONS = ("pulse-width", "interval", "none")
 EARTH_RADIUS_KM = 6378.137  # equatorial, WGS 84
 # Edge of the Earth's sphere of influence, rounded up: beyond it a distance was given in metres.
 _LARGEST_AXIS_KM = 1e6
@@ -82,14 +84,22 @@ def read_disturbances(data: Any, origin: str) -> Disturbances:
     )
 
 
-def read_control(data: Any, origin: str, toy: bool) -> Control:
+def read_control(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
     """Return the checked choice of control axes, or a toy system's control bound."""
-    tables = TOY_TABLES if toy else SPACECRAFT_TABLES
-    table = Table(data, origin, "[control]", tables["control"])
-    return Control(
-        axes="body" if toy else table.choice("axes", ("body", "wheels"), "body"),
-        limit=table.number("limit", 1.0, above=0.0) if toy else math.inf,
-    )
+    if vehicle is None:
+        toy = Table(data, origin, "[control]", TOY_TABLES["control"])
+        return Control("body", toy.number("limit", 1.0, above=0.0))
+    table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
+    if vehicle.thrusters.count == 0:
+        if "quantisation" in table:
+            table.fail("quantisation", "the vehicle has no thrusters", "drop it")
+        return Control(table.choice("axes", ("body", "wheels"), "body"), math.inf)
+    axes = table.choice("axes", ("body", "wheels"), "wheels")
+    if axes == "body":
+        table.fail(
+            "axes", "thrusters are optimised one by one", 'use axes = "wheels" or leave it out'
+        )
+    return Control(axes, math.inf, table.choice("quantisation", QUANTISATIONS, QUANTISATIONS[0]))
 
 
 def read_objective(data: Any, origin: str, toy: bool) -> Objective:
@@ -116,6 +126,10 @@ def read_objective(data: Any, origin: str, toy: bool) -> Objective:
         attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
         sparsity_weight=table.number("sparsity_weight", 1e1, at_least=0.0),
         waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
+        on_off_weight=0.0 if toy else table.number("on_off_weight", 0.0, at_least=0.0),
+        on_off_form="active"
+        if toy
+        else table.choice("on_off_form", ("active", "printed"), "active"),
     )
 
 

@@ -14,6 +14,7 @@ from jaxatt.scenarios.fields import Table
 from jaxatt.scenarios.schema import (
     MAGNETORQUER_KEYS,
     SPACECRAFT_TABLES,
+    THRUSTER_KEYS,
     VEHICLE_FILE_KEYS,
     WHEEL_KEYS,
     nearest,
@@ -21,11 +22,15 @@ from jaxatt.scenarios.schema import (
 from jaxatt.spacecraft import (
     FieldError,
     Magnetorquers,
+    ReactionWheels,
     Spacecraft,
+    Thrusters,
     create,
     magnetorquers,
     reaction_wheels,
+    thrusters,
 )
+from jaxatt.spacecraft.checks import Float64
 
 _TOML_NAMES = {
     "axes": "axes",
@@ -33,6 +38,14 @@ _TOML_NAMES = {
     "torque_limit": "torque_limit_Nm",
     "speed_limit": "speed_limit_rad_s",
     "dipole_limit": "dipole_limit_Am2",
+    "torque_directions": "torque_directions",
+    "minimum_on_time": "minimum_on_time_s",
+    "minimum_impulse": "minimum_impulse_Nms",
+}
+_ACTUATOR_KEYS = {
+    "wheels": WHEEL_KEYS,
+    "thrusters": THRUSTER_KEYS,
+    "magnetorquers": MAGNETORQUER_KEYS,
 }
 
 
@@ -66,8 +79,9 @@ def read_vehicle(data: Any, origin: str, folder: Path | None, notes: list[str]) 
         Receives remarks, e.g. an axis that was scaled to unit length.
     """
     table = Table(data, origin, "[vehicle]", SPACECRAFT_TABLES["vehicle"])
-    if "wheels" in table:
-        Table(table.data["wheels"], origin, "[vehicle.wheels]", WHEEL_KEYS)
+    for name, keys in _ACTUATOR_KEYS.items():
+        if name in table:
+            Table(table.data[name], origin, f"[vehicle.{name}]", keys)
     if "use" in table and "file" in table:
         table.fail("file", "given beside use", "keep one of the two and drop the other")
     base: dict[str, Any] = {}
@@ -83,8 +97,9 @@ def read_vehicle(data: Any, origin: str, folder: Path | None, notes: list[str]) 
         )
     overrides = {key: value for key, value in table.data.items() if key not in ("use", "file")}
     merged = {**base, **overrides}
-    if "wheels" in base and "wheels" in overrides:
-        merged["wheels"] = {**base["wheels"], **overrides["wheels"]}
+    for name in _ACTUATOR_KEYS:
+        if name in base and name in overrides:
+            merged[name] = {**base[name], **overrides[name]}
     return _build(Table(merged, origin, "[vehicle]", VEHICLE_FILE_KEYS), notes)
 
 
@@ -103,26 +118,37 @@ def _bundled(table: Table) -> dict[str, Any]:
 def _from_file(table: Table, folder: Path | None) -> dict[str, Any]:
     path = (folder or Path()) / table.text("file")
     base = read_file(path)
-    wheels = Table(base, str(path), "", VEHICLE_FILE_KEYS).data.get("wheels", {})
-    Table(wheels, str(path), "[wheels]", WHEEL_KEYS)
+    data = Table(base, str(path), "", VEHICLE_FILE_KEYS).data
+    for name, keys in _ACTUATOR_KEYS.items():
+        Table(data.get(name, {}), str(path), f"[{name}]", keys)
     return base
 
 
 def _build(table: Table, notes: list[str]) -> Spacecraft:
     table.require("inertia_kgm2", "[[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]")
-    table.require("wheels", "{ axes = [...], ... }")
-    wheels = Table(table.data["wheels"], table.origin, "[vehicle.wheels]", WHEEL_KEYS)
-    rows = wheels.require("axes", "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
-    if not isinstance(rows, list) or not all(isinstance(r, list) and len(r) == 3 for r in rows):
-        wheels.fail("axes", "is not a list of axes", "give one row of three numbers for each wheel")
-    for row in rows:
-        if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in row):
-            wheels.fail("axes", "holds something that is no number", "give plain numbers")
+    if "thrusters" not in table:
+        table.require("wheels", "{ axes = [...], ... }")
+    wheels = _wheels(table, notes) if "wheels" in table else None
+    pushing = _thrusters(table) if "thrusters" in table else None
+    name = table.text("name", "spacecraft")
+    table.text("title", " ")
+    table.text("source", " ")
+    try:
+        return create(table.data["inertia_kgm2"], wheels, name, pushing, _magnetorquers(table))
+    except FieldError as error:
+        if error.field == "torque_directions":
+            _mounted(table, "thrusters").fail(error.field, *_split(error))
+        table.fail(_TOML_NAMES[error.field], *_split(error))
+
+
+def _wheels(table: Table, notes: list[str]) -> ReactionWheels:
+    wheels = _mounted(table, "wheels")
+    axes = _rows(wheels, "axes", "wheel")
     wheels.require("inertia_kgm2", "2.1e-4")
     wheels.require("torque_limit_Nm", "3e-3")
     try:
-        built = reaction_wheels(
-            np.array(rows, dtype=np.float64).reshape(-1, 3).T,
+        return reaction_wheels(
+            axes,
             wheels.data["inertia_kgm2"],
             wheels.data["torque_limit_Nm"],
             wheels.data.get("speed_limit_rad_s", np.inf),
@@ -130,20 +156,42 @@ def _build(table: Table, notes: list[str]) -> Spacecraft:
         )
     except FieldError as error:
         wheels.fail(_TOML_NAMES[error.field], *_split(error))
-    name = table.text("name", "spacecraft")
-    table.text("title", " ")
-    table.text("source", " ")
+
+
+def _thrusters(table: Table) -> Thrusters:
+    pushing = _mounted(table, "thrusters")
+    directions = _rows(pushing, "torque_directions", "thruster")
+    pushing.require("torque_limit_Nm", "0.195")
     try:
-        return create(table.data["inertia_kgm2"], built, name, _magnetorquers(table))
+        return thrusters(
+            directions,
+            pushing.data["torque_limit_Nm"],
+            pushing.data.get("minimum_on_time_s", 0.0),
+            pushing.data.get("minimum_impulse_Nms", 0.0),
+        )
     except FieldError as error:
-        table.fail(_TOML_NAMES[error.field], *_split(error))
+        pushing.fail(_TOML_NAMES[error.field], *_split(error))
+
+
+def _mounted(table: Table, name: str) -> Table:
+    return Table(table.data[name], table.origin, f"[vehicle.{name}]", _ACTUATOR_KEYS[name])
+
+
+def _rows(table: Table, key: str, what: str) -> Float64:
+    """Columns (3, n) of a list with one row of three numbers for each actuator."""
+    rows = table.require(key, "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
+    if not isinstance(rows, list) or not all(isinstance(r, list) and len(r) == 3 for r in rows):
+        table.fail(key, f"is not a list of {key}", f"give one row of three numbers for each {what}")
+    for row in rows:
+        if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in row):
+            table.fail(key, "holds something that is no number", "give plain numbers")
+    return np.array(rows, dtype=np.float64).reshape(-1, 3).T
 
 
 def _magnetorquers(table: Table) -> Magnetorquers | None:
     if "magnetorquers" not in table:
         return None
-    label = "[vehicle.magnetorquers]"
-    inner = Table(table.data["magnetorquers"], table.origin, label, MAGNETORQUER_KEYS)
+    inner = _mounted(table, "magnetorquers")
     try:
         return magnetorquers(inner.require("dipole_limit_Am2", "0.5"))
     except FieldError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -17,7 +17,6 @@ from jaxatt.control.gains import check_gains
 from jaxatt.simulation.chunks import Progress, chunk_for, in_chunks, workers
 from jaxatt.simulation.closed_loop import Flight, Flown, fly
 from jaxatt.spacecraft.dynamics import AttitudeState
-from jaxatt.spacecraft.vehicle import Spacecraft
 from jaxatt.spacecraft.wheels import ReactionWheels
 
 
@@ -58,11 +57,10 @@ def _run(
     orbit_rate = jax.tree.map(lambda x: x[0, 0], flight.nodes.rate).array
     omega_ib = omega_ob + quaternion.rotate_inverse(q_ob, orbit_rate)
     omega_ib = omega_ib + rate * jax.random.normal(keys[1], (3,))
-    craft = Spacecraft(
-        _other_inertia(keys[2], jnp.asarray(flight.nominal.inertia), inertia),
-        _other_axes(keys[3], flight.nominal.wheels, misalignment),
-        flight.nominal.name,
-        flight.nominal.magnetorquers,
+    craft = replace(
+        flight.nominal,
+        inertia=_other_inertia(keys[2], jnp.asarray(flight.nominal.inertia), inertia),
+        wheels=_other_axes(keys[3], flight.nominal.wheels, misalignment),
     )
     leaves, shape = jax.tree.flatten(law)
     factors = 1.0 + gain * jax.random.normal(keys[4], (max(len(leaves), 1),))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -22,7 +23,8 @@ MINIMUM_SUBSTEPS = 20
 """Runge-Kutta steps an interval in a verification flight, at least."""
 
 Law = Callable[[Array, AttitudeState, Environment], Array]
-"""(interval, state, environment) -> (n,) [N m], wheel torques at one instant."""
+"""(interval, state, environment) -> (n + m,) [N m], torques of wheels and thrusters at one instant,
+or of the wheels alone, (n,)."""
 
 
 @jax.tree_util.register_dataclass
@@ -33,6 +35,7 @@ class Trajectory:
     q_ob : (..., nodes, 4).  omega_ob : (..., nodes, 3) [rad/s], relative to the orbit frame.
     omega_bw : (..., nodes, n) [rad/s].  omega_ib : (..., nodes, 3) [rad/s].
     wheel_torque : (..., nodes - 1, n) [N m], mean over each interval.
+    thrust : (..., nodes - 1, m) [N m], torque of each thruster, mean over each interval.
     """
 
     q_ob: Array
@@ -40,57 +43,131 @@ class Trajectory:
     omega_bw: Array
     omega_ib: Array
     wheel_torque: Array
+    thrust: Array
+
+
+Hold = Callable[[Array, AttitudeState, Environment, Any], tuple[Array, Any]]
+"""(interval, state, environment, memory) -> torques held over the interval, and the new memory."""
+
+
+def advance(
+    craft: Spacecraft,
+    state: AttitudeState,
+    torque: Callable[[AttitudeState, Environment], Array],
+    stages: tuple[Environment, Environment, Environment, Environment],
+    h: Array,
+) -> tuple[AttitudeState, Array]:
+    """State after one RK4 step of h [s] and the mean torque (n + m,) [N m] in it.
+
+    stages : the environment at the four stage times.
+    """
+
+    def shift(rate: AttitudeState, time: Array | float) -> AttitudeState:
+        return jax.tree.map(lambda x, dx: x + time * dx, state, rate)
+
+    def rate(point: AttitudeState, stage: int) -> tuple[AttitudeState, Array]:
+        asked = torque(point, stages[stage])
+        asked = jnp.pad(asked, (0, craft.actuators - asked.shape[0]))
+        return dynamics.derivative(craft, point, asked, stages[stage]), asked
+
+    k1, t1 = rate(state, 0)
+    k2, t2 = rate(shift(k1, h / 2), 1)
+    k3, t3 = rate(shift(k2, h / 2), 2)
+    k4, t4 = rate(shift(k3, h), 3)
+    mean = jax.tree.map(lambda a, b, c, d: (a + 2 * b + 2 * c + d) / 6, k1, k2, k3, k4)
+    end = shift(mean, h)
+    end = AttitudeState(quaternion.normalize(end.q_ob), end.omega_ib, end.omega_bw)
+    return end, (t1 + 2 * t2 + 2 * t3 + t4) / 6
+
+
+def _interval(
+    craft: Spacecraft,
+    state: AttitudeState,
+    torque: Callable[[AttitudeState, Environment], Array],
+    stages: Environment,
+    h: Array,
+) -> tuple[AttitudeState, Array]:
+    """State after one interval, `stages` with leading axes (S, 4), and the mean torque in it."""
+
+    def substep(
+        carry: tuple[AttitudeState, Array], along: Environment
+    ) -> tuple[tuple[AttitudeState, Array], None]:
+        at = tuple(jax.tree.map(lambda leaf, k=k: leaf[k], along) for k in range(4))
+        end, mean = advance(craft, carry[0], torque, (at[0], at[1], at[2], at[3]), h)
+        return (end, carry[1] + mean), None
+
+    nothing = jnp.zeros(craft.actuators, state.omega_ib.dtype)
+    (end, total), _ = lax.scan(substep, (state, nothing), stages)
+    return end, total / stages.gradient.shape[0]
+
+
+def trajectory(
+    craft: Spacecraft,
+    start: AttitudeState,
+    states: AttitudeState,
+    torque: Array,
+    table: EnvironmentTable,
+) -> Trajectory:
+    """A flight from its start, the states at all later nodes and the mean torques (K, n + m)."""
+    nodes = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
+    omega_ob = dynamics.relative_rate(nodes, table.nodes)
+    count = craft.wheels.count
+    return Trajectory(
+        nodes.q_ob, omega_ob, nodes.omega_bw, nodes.omega_ib, torque[:, :count], torque[:, count:]
+    )
 
 
 def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTable) -> Trajectory:
     """Fly a control law through all intervals of `table`, feedback evaluated at every stage."""
-    h = table.substep
 
-    def shift(state: AttitudeState, rate: AttitudeState, time: Array | float) -> AttitudeState:
-        return jax.tree.map(lambda x, dx: x + time * dx, state, rate)
-
-    def substep(
-        carry: tuple[AttitudeState, Array, Array], stages: Environment
-    ) -> tuple[tuple[AttitudeState, Array, Array], None]:
-        state, interval, impulse = carry
-
-        def rate(point: AttitudeState, stage: int) -> tuple[AttitudeState, Array]:
-            environment = jax.tree.map(lambda leaf: leaf[stage], stages)
-            torque = law(interval, point, environment)
-            return dynamics.derivative(craft, point, torque, environment), torque
-
-        k1, t1 = rate(state, 0)
-        k2, t2 = rate(shift(state, k1, h / 2), 1)
-        k3, t3 = rate(shift(state, k2, h / 2), 2)
-        k4, t4 = rate(shift(state, k3, h), 3)
-        mean = jax.tree.map(lambda a, b, c, d: (a + 2 * b + 2 * c + d) / 6, k1, k2, k3, k4)
-        end = shift(state, mean, h)
-        end = AttitudeState(quaternion.normalize(end.q_ob), end.omega_ib, end.omega_bw)
-        return (end, interval, impulse + h * (t1 + 2 * t2 + 2 * t3 + t4) / 6), None
-
-    def interval_step(
+    def step(
         state: AttitudeState, inputs: tuple[Array, Environment]
     ) -> tuple[AttitudeState, tuple[AttitudeState, Array]]:
         interval, stages = inputs
-        carry = (state, interval, jnp.zeros_like(state.omega_bw))
-        (end, _, impulse), _ = lax.scan(substep, carry, stages)
-        return end, (end, impulse / (h * stages.gradient.shape[0]))
+        end, mean = _interval(
+            craft, state, lambda x, along: law(interval, x, along), stages, table.substep
+        )
+        return end, (end, mean)
 
     count = table.stages.gradient.shape[0]
-    _, (states, torque) = lax.scan(interval_step, start, (jnp.arange(count), table.stages))
-    nodes = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
-    omega_ob = dynamics.relative_rate(nodes, table.nodes)
-    return Trajectory(nodes.q_ob, omega_ob, nodes.omega_bw, nodes.omega_ib, torque)
+    _, (states, torque) = lax.scan(step, start, (jnp.arange(count), table.stages))
+    return trajectory(craft, start, states, torque, table)
+
+
+def fly_held(
+    craft: Spacecraft, start: AttitudeState, law: Hold, memory: Any, table: EnvironmentTable
+) -> Trajectory:
+    """Fly a law that looks once an interval, holds its torques and remembers, from a `memory`."""
+
+    def step(
+        carry: tuple[AttitudeState, Any], inputs: tuple[Array, Environment]
+    ) -> tuple[tuple[AttitudeState, Any], tuple[AttitudeState, Array]]:
+        (state, known), (interval, stages) = carry, inputs
+        first = jax.tree.map(lambda leaf: leaf[0, 0], stages)
+        held, known = law(interval, state, first, known)
+        end, mean = _interval(craft, state, lambda x, along: held, stages, table.substep)
+        return (end, known), (end, mean)
+
+    count = table.stages.gradient.shape[0]
+    inputs = (jnp.arange(count), table.stages)
+    _, (states, torque) = lax.scan(step, (start, memory), inputs)
+    return trajectory(craft, start, states, torque, table)
 
 
 fly_law = jax.jit(fly)
 """`fly`, compiled, for a law that is a pytree of its own parameters."""
 
+fly_held_law = jax.jit(fly_held)
+"""`fly_held`, compiled, for a law that is a pytree of its own parameters."""
+
 
 def fly_torque(
-    craft: Spacecraft, start: AttitudeState, wheel_torque: Array, table: EnvironmentTable
+    craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
-    """Fly piecewise constant wheel torques, (N, n) [N m], and coast through the intervals left."""
-    coast = table.stages.gradient.shape[0] - wheel_torque.shape[0]
-    padded = jnp.concatenate([wheel_torque, jnp.zeros((coast, wheel_torque.shape[1]))])
+    """Fly piecewise constant torques of wheels and thrusters, (N, n + m) [N m], then coast.
+
+    The thrusters' columns may be left out.
+    """
+    coast = table.stages.gradient.shape[0] - torque.shape[0]
+    padded = jnp.concatenate([torque, jnp.zeros((coast, torque.shape[1]))])
     return fly(craft, start, lambda interval, state, environment: padded[interval], table)

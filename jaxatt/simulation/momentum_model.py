@@ -14,6 +14,7 @@ the nodes leave the loop as one array.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import jax
@@ -94,25 +95,34 @@ def derivative(
     Source: Schaanning (2021), eqs. (4.2), (4.9), (4.11), (4.20b), in inertial axes.
     """
     q, w = state[:4], state[4:7]
-    q_rate = (
+    turning = cross(to_body(q, state[7:] if disturbed else momentum), w)
+    if not disturbed:
+        return turning_rate(q, w) + matvec(
+            body.inverse_inertia, tuple(turning[i] - torque[i] for i in range(3))
+        )
+    external = tidal_torque(q, environment, body)
+    omega_rate = matvec(
+        body.inverse_inertia, tuple(turning[i] + external[i] - torque[i] for i in range(3))
+    )
+    return turning_rate(q, w) + omega_rate + to_inertial(q, external)
+
+
+def turning_rate(q: Components, w: Components) -> Components:
+    """Derivative of a quaternion that turns at w [rad/s] in body axes; Schaanning, eq. (4.2)."""
+    return (
         0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]),
         0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]),
         0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]),
         0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]),
     )
-    turning = cross(to_body(q, state[7:] if disturbed else momentum), w)
-    if not disturbed:
-        return q_rate + matvec(
-            body.inverse_inertia, tuple(turning[i] - torque[i] for i in range(3))
-        )
+
+
+def tidal_torque(q: Components, environment: Environment, body: BodyParameters) -> Components:
+    """Gravity gradient and known disturbance in body axes, three scalars [N m]."""
     down_i = tuple(environment.orbit_attitude[i] for i in range(3))
     down = to_body(q, down_i)
     tidal = cross(down, matvec(body.inertia, down))
-    external = tuple(environment.gradient * tidal[i] + environment.disturbance[i] for i in range(3))
-    omega_rate = matvec(
-        body.inverse_inertia, tuple(turning[i] + external[i] - torque[i] for i in range(3))
-    )
-    return q_rate + omega_rate + to_inertial(q, external)
+    return tuple(environment.gradient * tidal[i] + environment.disturbance[i] for i in range(3))
 
 
 def with_down(stages: Environment) -> Environment:
@@ -120,21 +130,23 @@ def with_down(stages: Environment) -> Environment:
     return stages._replace(orbit_attitude=_down(stages.orbit_attitude))
 
 
-def _substep(
+def integrate(
     base: Components,
-    momentum: Components,
-    torque: Components,
+    rate: Callable[[Components, Environment], Components],
     along: Environment,
     h: Array,
-    body: BodyParameters,
-    disturbed: bool,
 ) -> Components:
+    """State after one RK4 step of h [s], its quaternion normalised.
+
+    along : leading axis 4, the environment at the stage times.
+    """
+
     def stage(
         carry: tuple[Components, Components], inputs: tuple[tuple[Array, Array], Environment]
     ) -> tuple[tuple[Components, Components], None]:
         point, total = carry
         (ahead, weight), environment = inputs
-        k = derivative(point, torque, momentum, environment, body, disturbed)
+        k = rate(point, environment)
         point = tuple(x + ahead * h * dx for x, dx in zip(base, k, strict=True))
         total = tuple(x + weight * h * dx for x, dx in zip(total, k, strict=True))
         return (point, total), None
@@ -161,7 +173,9 @@ def step(
     """
 
     def substep(base: Components, environment: Environment) -> Components:
-        return _substep(base, momentum, torque, environment, h, body, disturbed)
+        return integrate(
+            base, lambda x, at: derivative(x, torque, momentum, at, body, disturbed), environment, h
+        )
 
     if along.gradient.shape[0] == 1:
         return substep(state, jax.tree.map(lambda leaf: leaf[0], along))

@@ -1,7 +1,8 @@
-"""Spacecraft: rigid body, reaction wheels and magnetorquers."""
+"""Spacecraft: rigid body, reaction wheels, thrusters and magnetorquers."""
 
 from jaxatt.spacecraft.checks import FieldError
 from jaxatt.spacecraft.magnetorquers import Magnetorquers, magnetorquers
+from jaxatt.spacecraft.thrusters import Thrusters, thrusters
 from jaxatt.spacecraft.vehicle import Spacecraft, create, total_momentum
 from jaxatt.spacecraft.wheels import ReactionWheels, momentum, reaction_wheels
 
@@ -10,9 +11,11 @@ __all__ = [
     "Magnetorquers",
     "ReactionWheels",
     "Spacecraft",
+    "Thrusters",
     "create",
     "magnetorquers",
     "momentum",
     "reaction_wheels",
+    "thrusters",
     "total_momentum",
 ]

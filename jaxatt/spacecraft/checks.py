@@ -60,18 +60,31 @@ def finite_array(field: str, value: Any, *, infinite: bool = False) -> Float64:
     return array
 
 
-def positive_per_item(field: str, value: Any, count: int, *, infinite: bool = False) -> Float64:
-    """Return a positive number for each of `count` items; one number stands for all of them."""
+def positive_per_item(
+    field: str,
+    value: Any,
+    count: int,
+    *,
+    infinite: bool = False,
+    zero: bool = False,
+    what: str = "wheels",
+) -> Float64:
+    """Return a positive number for each of `count` items; one number stands for all of them.
+
+    infinite, zero : whether ``inf`` and 0 are allowed.  what : the items, for messages.
+    """
     array = finite_array(field, value, infinite=infinite)
     if array.ndim == 0:
         array = np.full(count, float(array))
     if array.shape != (count,):
         raise FieldError(
             field,
-            f"has shape {array.shape}, but there are {count} wheels; "
+            f"has shape {array.shape}, but there are {count} {what}; "
             f"give one number for all or {count} numbers",
         )
-    if not (array > 0.0).all():
-        bad = array[~(array > 0.0)][0]
-        raise FieldError(field, f"holds {bad:g}; every value must be greater than 0")
+    allowed = array >= 0.0 if zero else array > 0.0
+    if not allowed.all():
+        bad = array[~allowed][0]
+        least = "at least 0" if zero else "greater than 0"
+        raise FieldError(field, f"holds {bad:g}; every value must be {least}")
     return array

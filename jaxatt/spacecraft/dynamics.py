@@ -1,4 +1,4 @@
-"""Equations of motion of a rigid body with reaction wheels, wheel speeds included."""
+"""Equations of motion of a rigid body with wheels and thrusters, wheel speeds included."""
 
 from __future__ import annotations
 
@@ -44,22 +44,27 @@ def at_relative_rate(
 
 
 def derivative(
-    craft: Spacecraft, state: AttitudeState, wheel_torque: Array, environment: Environment
+    craft: Spacecraft, state: AttitudeState, torque: Array, environment: Environment
 ) -> AttitudeState:
     """Time derivative of one state.
 
-    wheel_torque : (n,) [N m], torque on the wheels; the body receives its negative.
+    torque : (n + m,) [N m], on each of the n wheels, of which the body receives the negative, then
+        of each of the m thrusters.
     Source: Schaanning (2021), eqs. (4.2), (4.11), (4.12), (4.20b) and (4.20d).  The rate relative
     to the orbit is algebraic (4.3): (4.20c) counts the transport term twice and is not used.
+    Thrusters: Kristiansen and Gravdahl (2023), eq. (8c), whose left side lacks its dot.
     """
-    wheels = craft.wheels
+    wheels, count = craft.wheels, craft.wheels.count
+    wheel_torque, thrust = torque[:count], torque[count:]
     inertia = jnp.asarray(craft.inertia)
     q = quaternion.normalize(state.q_ob)
     down = quaternion.rotate_inverse(q, jnp.asarray([0.0, 0.0, 1.0], q.dtype))
     external = environment.gradient * jnp.cross(down, inertia @ down) + environment.disturbance
+    if craft.thrusters.count:
+        external = external + craft.thrusters.distribution @ thrust
     momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
-    torque = external - wheels.axes @ wheel_torque - jnp.cross(state.omega_ib, momentum)
-    omega_rate = inverse(jnp.asarray(craft.inertia_without_spin)) @ torque
+    total = external - wheels.axes @ wheel_torque - jnp.cross(state.omega_ib, momentum)
+    omega_rate = inverse(jnp.asarray(craft.inertia_without_spin)) @ total
     unit = AttitudeState(q, state.omega_ib, state.omega_bw)
     return AttitudeState(
         quaternion.derivative(state.q_ob, relative_rate(unit, environment)),

@@ -1,4 +1,4 @@
-"""A rigid body with reaction wheels."""
+"""A rigid body with reaction wheels, thrusters or both."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
 from jaxatt.spacecraft.magnetorquers import Magnetorquers
-from jaxatt.spacecraft.wheels import Array, ReactionWheels, momentum
+from jaxatt.spacecraft.thrusters import Thrusters, missing_senses, no_thrusters
+from jaxatt.spacecraft.wheels import Array, ReactionWheels, momentum, no_wheels
 
 _SYMMETRY_TOLERANCE = 1e-9
 _TRIANGLE_TOLERANCE = 1e-9
@@ -20,7 +21,7 @@ _TRIANGLE_TOLERANCE = 1e-9
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Spacecraft:
-    """A rigid body with reaction wheels; build it with `create`, which checks the numbers.
+    """A rigid body with actuators; build it with `create`, which checks the numbers.
 
     Attributes
     ----------
@@ -29,6 +30,7 @@ class Spacecraft:
     wheels : ReactionWheels
     name : str
         Static: two vehicles with different names are traced separately.
+    thrusters : Thrusters
     magnetorquers : Magnetorquers or None
         None where the vehicle has none.
     """
@@ -36,7 +38,13 @@ class Spacecraft:
     inertia: Array
     wheels: ReactionWheels
     name: str = field(default="spacecraft", metadata={"static": True})
+    thrusters: Thrusters = field(default_factory=no_thrusters)
     magnetorquers: Magnetorquers | None = None
+
+    @property
+    def actuators(self) -> int:
+        """Wheels and thrusters together, in this order wherever all of them are listed."""
+        return self.wheels.count + self.thrusters.count
 
     @property
     def inertia_without_spin(self) -> Array:
@@ -70,8 +78,9 @@ def total_momentum(spacecraft: Spacecraft, omega_ib: Any, omega_bw: Any) -> jax.
 
 def create(
     inertia: Any,
-    wheels: ReactionWheels,
+    wheels: ReactionWheels | None,
     name: str = "spacecraft",
+    thrusters: Thrusters | None = None,
     magnetorquers: Magnetorquers | None = None,
 ) -> Spacecraft:
     """Return a checked spacecraft.
@@ -80,9 +89,11 @@ def create(
     ----------
     inertia : (3, 3) array_like [kg m^2]
         Total inertia in body axes, wheels included.
-    wheels : ReactionWheels
+    wheels : ReactionWheels or None
         As built by `reaction_wheels`.
     name : str
+    thrusters : Thrusters, optional
+        As built by `thrusters`.
     magnetorquers : Magnetorquers, optional
         As built by `magnetorquers`.
 
@@ -92,7 +103,20 @@ def create(
         A `ValueError` that names the field, the value and what is allowed.
     """
     total = _inertia(inertia)
-    craft = Spacecraft(total, wheels, name, magnetorquers)
+    if wheels is None and thrusters is None:
+        raise FieldError("wheels", "missing, and there are no thrusters; mount one or the other")
+    if wheels is None and thrusters is not None:
+        missing = missing_senses(np.asarray(thrusters.distribution))
+        if missing:
+            raise FieldError(
+                "torque_directions",
+                f"no combination of the {thrusters.count} thrusters turns the body about "
+                f"{', '.join(missing)}; add or tilt a thruster so that every axis can be turned "
+                "about in both senses, or mount wheels",
+            )
+    craft = Spacecraft(
+        total, wheels or no_wheels(), name, thrusters or no_thrusters(), magnetorquers
+    )
     smallest = float(np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin))[0])
     if smallest <= 0.0:
         raise FieldError(

@@ -54,6 +54,8 @@ class ReactionWheels:
         axes, where one by singular values has no derivative for equal singular values.
         """
         axes = jnp.asarray(self.axes)
+        if self.count == 0:
+            return jnp.zeros((0, 3), axes.dtype)
         gram = axes @ jnp.swapaxes(axes, -1, -2)
         return jnp.swapaxes(jnp.linalg.solve(gram, axes), -1, -2)
 
@@ -61,6 +63,12 @@ class ReactionWheels:
     def spin_inertia_body(self) -> Array:
         """Inertia of the wheels about their axes in body components, A Jw A', (3, 3) [kg m^2]."""
         return (self.axes * self.inertia[..., None, :]) @ self.axes.swapaxes(-1, -2)
+
+
+def no_wheels() -> ReactionWheels:
+    """Nothing mounted."""
+    empty = np.zeros(0)
+    return ReactionWheels(np.zeros((3, 0)), empty, empty, empty)
 
 
 def momentum(wheels: ReactionWheels, omega_bw: Any) -> jax.Array:

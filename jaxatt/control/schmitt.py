@@ -1,0 +1,56 @@
+"""Proportional-derivative law for valves: a Schmitt trigger opens and shuts each thruster."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.attitude import errors
+from jaxatt.environment.table import Environment
+from jaxatt.spacecraft import dynamics
+from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.vehicle import Spacecraft
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class SchmittLaw:
+    """A thruster opens when the torque wanted of it exceeds `on`, and shuts below `off`.
+
+    craft : vehicle with thrusters.  reference : (4,), target q_ob.  reference_rate : (3,) [rad/s].
+    proportional, derivative : () [N m], [N m s].  on, off : () [N m].
+
+    The baseline of Kristiansen and Gravdahl (2023), section 4, which gives no numbers; the
+    defaults bring the ESEO satellite to rest within its 30 s.  Wheels stay still.
+    """
+
+    craft: Spacecraft
+    reference: Array
+    reference_rate: Array
+    proportional: Array | float = 0.5
+    derivative: Array | float = 2.3
+    on: Array | float = 0.06
+    off: Array | float = 0.02
+
+    @property
+    def shut(self) -> Array:
+        """All valves shut, (m,): the memory at the start."""
+        return jnp.zeros(self.craft.thrusters.count, bool)
+
+    def __call__(
+        self, interval: Array, state: AttitudeState, environment: Environment, opened: Array
+    ) -> tuple[Array, Array]:
+        """Torques of wheels and thrusters (n + m,) [N m] to hold, and which valves are open."""
+        error = errors.error_quaternion(self.reference, state.q_ob)
+        error = jnp.where(error[0] < 0.0, -error, error)
+        rate_error = dynamics.relative_rate(state, environment) - self.reference_rate
+        wanted = -(self.proportional * error[1:] + self.derivative * rate_error)
+        thrusters = self.craft.thrusters
+        b = jnp.asarray(thrusters.distribution)
+        demand = wanted @ b / jnp.sum(b**2, axis=0)
+        opened = jnp.where(opened, demand > self.off, demand > self.on)
+        thrust = jnp.where(opened, jnp.asarray(thrusters.torque_limit), 0.0)
+        return jnp.concatenate([jnp.zeros(self.craft.wheels.count), thrust]), opened
