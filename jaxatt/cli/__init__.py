@@ -1,0 +1,32 @@
+"""The command line: solve, simulate, compare, certify, sparsity, scenarios; one command a file.
+
+Exit codes: 0 when every leg verifiably reached its target or every run flew to the end, 2 for bad
+input, 3 when an answer does not reach or a run failed, 130 when interrupted.
+"""
+
+from __future__ import annotations
+
+import typer
+
+from jaxatt.cli.certify import certify
+from jaxatt.cli.compare import compare
+from jaxatt.cli.scenarios import scenarios
+from jaxatt.cli.simulate import simulate
+from jaxatt.cli.solve import solve
+from jaxatt.cli.sparsity import sparsity
+
+app = typer.Typer(
+    name="jaxatt",
+    help="Spacecraft attitude manoeuvres that touch the actuators least.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+for command in (solve, compare, simulate, certify, sparsity):
+    app.command()(command)
+app.add_typer(scenarios, name="scenarios")
+
+
+def main() -> None:
+    """Entry point of the `jaxatt` command."""
+    app()

@@ -1,0 +1,52 @@
+"""`jaxatt certify`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts
+
+
+def certify(
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    objective: Annotated[
+        Objective | None, typer.Option(help="What is minimised.", show_default=False)
+    ] = None,
+    most: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Supports of one size that are tried at most.", show_default="50000"
+        ),
+    ] = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Solve, then try every support with fewer active intervals, and all with as many."""
+    changes = {
+        "solver.starts": starts,
+        "solver.seed": seed,
+        "objective.kind": None if objective is None else objective.value,
+    }
+    with clean_exit():
+        scenario, folder = prepared(case, changes, out)
+        prepare_jax(compile_cache)
+        from jaxatt.certificate import MOST_SUPPORTS
+        from jaxatt.certificate import certify as run
+        from jaxatt.progress import Reporter
+
+        with Reporter(scenario.solver.starts, quiet) as report:
+            certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)
+        if not quiet:
+            show(certificate.table())
+            for sentence in certificate.sentences():
+                typer.echo(sentence)
+        files = certificate.save(folder)
+        finish(" ".join(certificate.sentences()), files, folder, quiet)
+        if not certificate.result.reached:
+            raise typer.Exit(NOT_REACHED)

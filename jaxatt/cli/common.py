@@ -1,0 +1,105 @@
+"""What every command does beside its own work: check input, show results, end cleanly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from jaxatt.report.result import Result
+    from jaxatt.scenarios import Scenario
+
+BAD_INPUT, NOT_REACHED, INTERRUPTED = 2, 3, 130
+
+
+def prepare_jax(cache: Path | None = None) -> None:
+    """Set JAX up for this process; before anything is computed."""
+    from jaxatt.runtime import configure
+
+    configure(cache=cache)
+
+
+def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:
+    """The checked scenario and a folder that can be written: all that can be wrong beforehand."""
+    from jaxatt import scenarios
+    from jaxatt.report.files import prepare_folder
+
+    if case not in scenarios.names() and not Path(case).is_file() and not case.endswith(".toml"):
+        unknown(case, scenarios.load)
+    scenario = scenarios.load(case)
+    given = {key: value for key, value in changes.items() if value is not None}
+    if given:
+        scenario = scenarios.replace(scenario, given)
+    return scenario, prepare_folder(out or Path("results") / scenario.name)
+
+
+def unknown(name: str, look_up: Any) -> None:
+    """Raise the look-up's own error, which suggests a near name, and list what there is."""
+    from jaxatt.scenarios import ScenarioError, names
+
+    try:
+        look_up(name)
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}: {', '.join(names())}") from None
+
+
+def show(table: RenderableType) -> None:
+    """Print a table, plain where no terminal reads it."""
+    from rich.console import Console
+
+    from jaxatt.report.rendering import as_text
+
+    console = Console()
+    if console.is_terminal:
+        console.print(table)
+    else:
+        typer.echo(as_text(table))
+
+
+def finish(line: str, files: list[Path], folder: Path, quiet: bool) -> None:
+    """Say what was written, or nothing but the result's one line."""
+    if quiet:
+        typer.echo(f"{line}; {folder}")
+        return
+    plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
+    figures = sum(file.suffix == ".png" for file in files)
+    typer.echo(f"Written to {folder}: {', '.join(plain)} and {figures} figures")
+
+
+def shortfall(result: Result) -> str:
+    """What was closest, and what stood in its way."""
+    parts = []
+    for number, leg in enumerate(result.legs, start=1):
+        if leg.reached:
+            continue
+        where = f"Leg {number}: " if len(result.legs) > 1 else ""
+        if leg.alternative is not None:
+            parts.append(
+                f"{where}The answer of lowest J does not reach the target; the best start that "
+                "does is reported beside it."
+            )
+        else:
+            parts.append(f"{where}No start reached the target; of the closest, {leg.obstacle}.")
+    return " ".join(parts)
+
+
+@contextmanager
+def clean_exit() -> Iterator[None]:
+    """Turn bad input and interruption into a message and an exit code."""
+    from jaxatt.report.files import OutputError
+    from jaxatt.scenarios import ScenarioError
+
+    try:
+        yield
+    except (ScenarioError, OutputError) as error:
+        typer.echo(f"Error: {error}", err=True)
+        raise typer.Exit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        typer.echo("Interrupted; nothing half-written was left behind.", err=True)
+        raise typer.Exit(INTERRUPTED) from None

@@ -1,0 +1,94 @@
+"""`jaxatt compare`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from jaxatt.cli.common import (
+    NOT_REACHED,
+    clean_exit,
+    finish,
+    prepare_jax,
+    prepared,
+    shortfall,
+    show,
+)
+from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+
+
+def compare(
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run every controller, or every law of a flight, with the printed values beside."""
+    with clean_exit():
+        if case == "hypso1-imaging":
+            _compare_imaging(out, quiet)
+            return
+        if _is_flight(case):
+            _compare_flight(case, seed, out, compile_cache, quiet)
+            return
+        scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
+        prepare_jax(compile_cache)
+        from jaxatt.comparison import compare as run
+        from jaxatt.progress import Reporter
+
+        with Reporter(scenario.solver.starts, quiet) as report:
+            comparison = run(scenario, report=report)
+        if not quiet:
+            show(comparison.table())
+        files = comparison.save(folder)
+        finish(repr(comparison), files, folder, quiet)
+        if not comparison.reached:
+            for kind, result in comparison.results.items():
+                if not result.reached:
+                    typer.echo(f"{kind}: {shortfall(result)}", err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+def _is_flight(case: str) -> bool:
+    """Whether a name or file is a flight, which has laws, rather than a manoeuvre to solve."""
+    from jaxatt.scenarios import flight_names, names
+    from jaxatt.scenarios.documents import read_file
+
+    if case in (*names(), *flight_names()):
+        return case not in names()
+    return Path(case).is_file() and "laws" in read_file(Path(case))
+
+
+def _compare_flight(
+    case: str, seed: int | None, out: Path | None, cache: Path | None, quiet: bool
+) -> None:
+    from jaxatt.report.files import prepare_folder
+
+    prepare_jax(cache)
+    from jaxatt.flight_comparison import compare_flight
+    from jaxatt.progress import Reporter
+    from jaxatt.scenarios import load_flight
+
+    flight = load_flight(case)
+    folder = prepare_folder(out or Path("results") / flight.name)
+    with Reporter(len(flight.laws), quiet) as report:
+        comparison = compare_flight(flight, seed, report)
+    if not quiet:
+        show(comparison.table())
+    finish(repr(comparison), comparison.save(folder), folder, quiet)
+
+
+def _compare_imaging(out: Path | None, quiet: bool) -> None:
+    from jaxatt.report.files import prepare_folder
+
+    folder = prepare_folder(out or Path("results") / "hypso1-imaging")
+    prepare_jax()
+    from jaxatt.imaging import compare_imaging
+
+    found = compare_imaging()
+    if not quiet:
+        show(found.table())
+    finish(repr(found), found.save(folder), folder, quiet)

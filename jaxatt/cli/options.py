@@ -1,0 +1,53 @@
+"""Arguments and options that several commands share."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+class Terminal(StrEnum):
+    """How the end of the manoeuvre enters."""
+
+    reach = "reach"
+    penalty = "penalty"
+
+
+class Objective(StrEnum):
+    """What is made sparse."""
+
+    l0 = "l0"
+    moving_l0 = "moving-l0"
+    l1 = "l1"
+
+
+Case = Annotated[
+    str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled scenario or a TOML file.")
+]
+Flight = Annotated[
+    str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled flight or a TOML file.")
+]
+Starts = Annotated[
+    int | None, typer.Option(min=1, help="Number of starts.", show_default="the scenario's")
+]
+Seed = Annotated[
+    int | None,
+    typer.Option(min=0, help="Seed of the random starts.", show_default="the scenario's"),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(help="Folder for the files, made if missing.", show_default="results/NAME"),
+]
+Cache = Annotated[
+    Path | None,
+    typer.Option(
+        "--compile-cache",
+        help="Folder that keeps compiled programs, so that the next process starts faster.",
+        envvar="JAX_COMPILATION_CACHE_DIR",
+        show_default="none",
+    ),
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]

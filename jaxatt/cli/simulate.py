@@ -1,0 +1,58 @@
+"""`jaxatt simulate`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
+from jaxatt.cli.options import Cache, Flight, Out, Quiet
+
+
+def simulate(
+    case: Flight,
+    law: Annotated[
+        str | None,
+        typer.Option(help="A law of the flight.", show_default="its first one"),
+    ] = None,
+    runs: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Runs, spread as the flight says.", show_default="the nominal one alone"
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Seed of the runs.", show_default="the flight's")
+    ] = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Fly a feedback law, once or in a campaign of thousands of runs."""
+    with clean_exit():
+        from jaxatt.report.files import prepare_folder
+        from jaxatt.scenarios.flight_catalog import load_flight
+
+        prepare_jax(compile_cache)
+        flight = load_flight(case)
+        folder = prepare_folder(out or Path("results") / flight.name)
+        from jaxatt.progress import Reporter
+        from jaxatt.report.flight_table import flight_table
+        from jaxatt.simulating import simulate as run
+
+        with Reporter(runs or 1, quiet) as report:
+            result = run(flight, law, runs=runs, seed=seed, report=report)
+        if not quiet:
+            show(flight_table(result))
+        finish(repr(result), result.save(folder), folder, quiet)
+        if not result.sound.all():
+            failed = {words: len(rows) for words, rows in result.failures.items()}
+            typer.echo(
+                "; ".join(
+                    f"{number} of {result.runs}: {words}" for words, number in failed.items()
+                ),
+                err=True,
+            )
+            raise typer.Exit(NOT_REACHED)

@@ -1,0 +1,60 @@
+"""`jaxatt solve`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import (
+    NOT_REACHED,
+    clean_exit,
+    finish,
+    prepare_jax,
+    prepared,
+    shortfall,
+    show,
+)
+from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts, Terminal
+
+
+def solve(
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    terminal: Annotated[
+        Terminal | None,
+        typer.Option(help="Reach the target, or minimise the printed cost.", show_default=False),
+    ] = None,
+    objective: Annotated[
+        Objective | None, typer.Option(help="What is minimised.", show_default=False)
+    ] = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Find the sparsest manoeuvre, fly it again, and write summary, archive and figures."""
+    changes = {
+        "solver.starts": starts,
+        "solver.seed": seed,
+        "objective.terminal": None if terminal is None else terminal.value,
+        "objective.kind": None if objective is None else objective.value,
+    }
+    with clean_exit():
+        scenario, folder = prepared(case, changes, out)
+        prepare_jax(compile_cache)
+        from jaxatt.progress import Reporter
+        from jaxatt.report.tables import resting_sentence, result_table
+        from jaxatt.solving import solve as find
+
+        with Reporter(scenario.solver.starts, quiet) as report:
+            result = find(scenario, report=report)
+        if not quiet:
+            show(result_table(result))
+        files = result.save(folder)
+        finish(repr(result), files, folder, quiet)
+        if not result.reached:
+            # The table ends with this sentence already.
+            sentence = resting_sentence(result) if quiet else ""
+            typer.echo(f"{sentence} {shortfall(result)}".strip(), err=True)
+            raise typer.Exit(NOT_REACHED)

@@ -1,0 +1,55 @@
+"""`jaxatt sparsity`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.options import Cache, Case, Out, Quiet
+
+
+def sparsity(
+    case: Case,
+    starts: Annotated[int, typer.Option(min=1, help="Starts of every case.")] = 16,
+    intervals: Annotated[
+        str, typer.Option(help="Numbers of control intervals, separated by commas.")
+    ] = "15,30,45,60,90,120",
+    limits: Annotated[
+        str, typer.Option(help="Multiples of the torque limit, separated by commas.")
+    ] = "0.4,0.5,0.65,0.8,1,1.5,2",
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Relative sparsity against intervals and torque limit, with the bound of impulse balance."""
+    with clean_exit():
+        scenario, folder = prepared(case, {}, out)
+        counts, factors = _numbers("--intervals", intervals), _numbers("--limits", limits)
+        if not all(count >= 2 and count == int(count) for count in counts):
+            raise typer.BadParameter(f"{intervals}: give whole numbers of at least 2")
+        prepare_jax(compile_cache)
+        from jaxatt.progress import Reporter
+        from jaxatt.relative_sparsity import relative_sparsity
+        from jaxatt.report.tables import sparsity_table
+
+        with Reporter(starts, quiet) as report:
+            study = relative_sparsity(
+                scenario, [int(count) for count in counts], factors, starts, report
+            )
+        if not quiet:
+            show(sparsity_table(study.to_dict()))
+        files = study.save(folder)
+        finish(repr(study), files, folder, quiet)
+
+
+def _numbers(option: str, text: str) -> list[float]:
+    """Positive numbers separated by commas."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"{text}: give numbers separated by commas") from None
+    if not all(0.0 < number < float("inf") for number in numbers):
+        raise typer.BadParameter(f"{option} {text}: every number must be greater than 0")
+    return numbers
