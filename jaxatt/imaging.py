@@ -9,6 +9,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from rich import box
@@ -29,6 +30,9 @@ from jaxatt.scenarios.fields import Table
 from jaxatt.simulation.slew_metrics import footprints, sampling_distance
 
 NAME = "hypso1-imaging"
+
+_LINES = 400
+"""Lines of which the distance to the next one is taken, over the whole image."""
 
 _KEYS = (
     "name",
@@ -155,7 +159,7 @@ def compare_imaging(document: Mapping[str, Any] | None = None) -> Imaging:
     altitudes = table.require("altitudes_km", "[500.0]")
     rows = tuple(case.row(float(altitude), printed["nadir"]) for altitude in altitudes)
     low, high = 300.0, 900.0
-    for _ in range(40):
+    for _ in range(20):
         middle = 0.5 * (low + high)
         slower = case.row(middle, printed["nadir"]).slew_m > printed["slew"]
         low, high = (middle, high) if slower else (low, middle)
@@ -205,11 +209,29 @@ class _Case:
         elements = kepler.KeplerianElements(
             *(jnp.asarray(v) for v in (axis, 0.0, self.inclination, 0.0, 0.0, start))
         )
-        times = np.arange(0.0, self.duration, 1.0 / frame_rate)
-        q = jnp.asarray(np.broadcast_to(self.nadir, (len(times), 4)))
-        if slewing:
-            begun = quaternion.from_axis_angle(jnp.array([0.0, 1.0, 0.0]), jnp.asarray(self.first))
-            turned = quaternion.from_rotation_vector(times[:, None] * self.rate)
-            q = quaternion.multiply(begun, turned)
-        points = footprints(elements, orbit.MU_EARTH, self.days, times, q)
-        return np.asarray(sampling_distance(points)), times[:-1]
+        first = np.linspace(0.0, self.duration - 1.0 / frame_rate, _LINES)
+        begun = quaternion.from_axis_angle(jnp.array([0.0, 1.0, 0.0]), jnp.asarray(self.first))
+        q_ob, rate = (begun, self.rate) if slewing else (jnp.asarray(self.nadir), np.zeros(3))
+        found = _between(
+            elements, jnp.asarray(self.days), first, jnp.asarray(1.0 / frame_rate), q_ob, rate
+        )
+        return np.asarray(found), first
+
+
+@jax.jit
+def _between(
+    elements: kepler.KeplerianElements,
+    days: jax.Array,
+    first: jax.Array,
+    period: jax.Array,
+    start: jax.Array,
+    rate: jax.Array,
+) -> jax.Array:
+    """Distance (T,) [m] from the lines taken at `first` [s] to those one period later."""
+
+    def at(times: jax.Array) -> jax.Array:
+        turned = quaternion.from_rotation_vector(jnp.outer(times, rate))
+        q_ob = quaternion.multiply(start, turned)
+        return footprints(elements, orbit.MU_EARTH, days, times, q_ob)
+
+    return sampling_distance(jnp.stack([at(first), at(first + period)]))[0]

@@ -39,7 +39,8 @@ def test_gradients_are_those_of_finite_differences(flight):
         up, down = (np.asarray(evaluate(jnp.asarray(sign * step))[0]) for sign in (1, -1))
         difference = (up - down) / 2e-3
         np.testing.assert_allclose(slopes[0, k], difference[0], rtol=0.03)
-        np.testing.assert_allclose(slopes[1, k], difference[1], rtol=0.05, atol=2e-4)
+        # One per cent of the integral: its own kinks, where the torque changes sign, are no finer.
+        np.testing.assert_allclose(slopes[1, k], difference[1], rtol=0.05, atol=1e-3)
 
 
 def test_the_printed_procedure_keeps_the_torque_and_nears_the_limit(procedure):

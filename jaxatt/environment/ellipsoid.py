@@ -6,6 +6,8 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
+from jaxatt.attitude.vectors import broadcast_batch
+
 EQUATORIAL_RADIUS = 6378137.0
 """WGS 84 [m]."""
 
@@ -19,9 +21,9 @@ def ground_point(position: ArrayLike, direction: ArrayLike) -> jax.Array:
     position : (..., 3) [m], outside the Earth, and direction : (..., 3), of any length, both in
     axes whose z is the Earth's.
     """
-    scale = 1.0 / jnp.array([EQUATORIAL_RADIUS, EQUATORIAL_RADIUS, POLAR_RADIUS])
-    position, direction = jnp.asarray(position), jnp.asarray(direction)
-    p, d = position * scale, direction * scale
+    radii = jnp.array([EQUATORIAL_RADIUS, EQUATORIAL_RADIUS, POLAR_RADIUS])
+    position, direction, radii = broadcast_batch(position, direction, radii)
+    p, d = position / radii, direction / radii
     a = jnp.sum(d * d, axis=-1)
     b = jnp.sum(p * d, axis=-1)
     c = jnp.sum(p * p, axis=-1) - 1.0
