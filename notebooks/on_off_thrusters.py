@@ -201,5 +201,5 @@ table(
 # count. `jaxatt sparsity eseo-1` draws more points.
 
 # %%
-study = relative_sparsity("eseo-1", (15, 45, 90), (0.5, 1.0, 2.0), starts=STARTS)
+study = relative_sparsity("eseo-1", (45, 90), (0.5, 1.0, 2.0), starts=STARTS)
 display(study.plot())

@@ -54,12 +54,14 @@ def mounting(craft: Spacecraft, axes: str) -> Mounting:
             np.full(3, np.inf),
         )
     each = np.eye(n + m)
+    # Without thrusters a torque beyond the limits keeps its direction rather than each its own.
+    most = np.ones(n) if m else np.full(n, np.inf)
     return Mounting(
         np.concatenate([limit, np.asarray(thrusters.torque_limit)]),
         np.concatenate([np.asarray(wheels.axes), np.zeros((3, m))], axis=1),
         np.concatenate([np.zeros((3, n)), np.asarray(thrusters.distribution)], axis=1),
         each[:n],
         each[n:],
-        np.concatenate([-np.ones(n), np.zeros(m)]),
-        np.ones(n + m),
+        np.concatenate([-most, np.zeros(m)]),
+        np.concatenate([most, np.ones(m)]),
     )

@@ -76,6 +76,12 @@ def from_mapping(
     windows = read_windows(plain.get("windows", []), origin, horizon)
     if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
         notes.append("moving-l0 without a cheap window is the same as l0; add [[windows]]")
+    pushed = vehicle is not None and vehicle.thrusters.count > 0
+    if vehicle is not None and "orbit" not in plain and not pushed:
+        raise ScenarioError(
+            f"{origin}: [orbit] is missing; `jaxatt scenarios show NAME` prints a complete file to "
+            "start from (only vehicles with thrusters may do without, in the inertial frame)"
+        )
     orbit = settings.read_orbit(plain["orbit"], origin) if "orbit" in plain else None
     disturbances = settings.read_disturbances(plain.get("disturbances", {}), origin)
     if disturbances.gravity_gradient and orbit is None:

@@ -8,6 +8,9 @@ from jaxatt.scenarios import ScenarioError
 
 NAMES = (
     "double-integrator",
+    "eseo-1",
+    "eseo-2",
+    "eseo-3",
     "hypso1-45-0-0",
     "hypso1-75-50-15",
     "hypso1-90-0-0",
@@ -56,6 +59,10 @@ def test_the_catalog_lists_every_case_with_one_line():
 def test_every_case_loads_and_says_where_it_comes_from(name):
     case = scenarios.load(name)
     assert case.name == name
+    if name.startswith("eseo"):
+        assert "Kristiansen and Gravdahl (2023)" in case.source
+        assert len(case.notes) == 1 and "was normalised" in case.notes[0]  # as printed
+        return
     assert "Schaanning (2021)" in case.source
     assert case.notes == ()
     assert case.solver.starts == (64 if case.system == scenarios.SPACECRAFT else 16)

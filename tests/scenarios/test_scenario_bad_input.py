@@ -144,7 +144,7 @@ def refusal(document):
         # vehicles
         ("vehicle.use", "hypso-1", ["no bundled vehicle", "did you mean 'hypso1'"]),
         ("vehicle.file", "other.toml", ["beside use"]),
-        ("vehicle", {}, ["inertia_kgm2: missing", 'use = "hypso1"']),
+        ("vehicle", {}, ["inertia_kgm2: missing", 'use = "eseo"']),
         ("initial.state", [0, 0], ["unknown key"]),
     ],
 )
