@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
-from jaxatt.problems.slew_task import Departure, SlewTask
+from jaxatt.problems.slew_case import Departure
+from jaxatt.problems.slew_task import SlewTask
 from jaxatt.report.result import Flags
 from jaxatt.scenarios.build import build_task
 from jaxatt.scenarios.model import Scenario

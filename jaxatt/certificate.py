@@ -29,7 +29,8 @@ from jaxatt.multistart.enumeration import (
 )
 from jaxatt.multistart.polish import Method, polish
 from jaxatt.multistart.search import Report
-from jaxatt.problems.slew_task import Departure, SlewTask
+from jaxatt.problems.slew_case import Departure
+from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Flags, Task
 from jaxatt.report import certificate_report
 from jaxatt.report.figure import Picture

@@ -10,7 +10,8 @@ from jaxatt.multistart.quantise import MODES, quantise
 from jaxatt.multistart.search import Found
 from jaxatt.optimize.status import Status
 from jaxatt.problems import sparsity
-from jaxatt.problems.slew_task import Departure, SlewTask
+from jaxatt.problems.slew_case import Departure
+from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
 from jaxatt.report.result import Leg, StartsRecord, Valves

@@ -18,7 +18,8 @@ from jaxatt.control.pd import PDLaw
 from jaxatt.control.schmitt import SchmittLaw
 from jaxatt.legs import leg_of
 from jaxatt.multistart.search import Found, Report, search
-from jaxatt.problems.slew_task import Departure, SlewTask
+from jaxatt.problems.slew_case import Departure
+from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.report.result import Leg, Result
 from jaxatt.scenarios.build import build_task

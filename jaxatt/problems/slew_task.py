@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.attitude import errors, quaternion
+from jaxatt.attitude import errors
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
-from jaxatt.problems import sparsity
-from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.mounting import mounting
-from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
+from jaxatt.problems.printed_cost import partly_open, support_cost
+from jaxatt.problems.slew import SlewForm
+from jaxatt.problems.slew_arguments import slew_arguments, slew_parameters
+from jaxatt.problems.slew_case import (
+    Aim,
+    Departure,
+    Grid,
+    Passage,
+    automatic_substeps,
+    long_way_probability,
+)
 from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
 from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
-from jaxatt.simulation.momentum_model import BodyParameters
 from jaxatt.simulation.pulse_flight import fly_pulses
 from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
@@ -29,56 +35,6 @@ from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _SMALL_GYROSCOPIC_TURN = 0.5
 """|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
-
-_LONGEST_SUBSTEP_PHASE = 0.35
-"""[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
-
-
-@dataclass(frozen=True, eq=False)
-class Departure:
-    """Where a slew begins: q_ob (4,), omega_ob (3,) [rad/s], omega_bw (n,) [rad/s]."""
-
-    q_ob: Floats
-    omega_ob: Floats
-    omega_bw: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class Aim:
-    """Where a slew must end: attitude (4,), rate (3,) [rad/s] and their tolerances [rad, rad/s]."""
-
-    q_ob: Floats
-    omega_ob: Floats
-    attitude_tolerance: float
-    rate_tolerance: float
-
-
-@dataclass(frozen=True, eq=False)
-class Passage:
-    """An attitude to pass: (4,), the node (1 .. N) and the tolerance [rad]."""
-
-    q_ob: Floats
-    node: int
-    tolerance: float
-
-
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """N control intervals of `step` [s], the coasting intervals after them, the first time [s]."""
-
-    intervals: int
-    step: float
-    coast: int
-    start_time: float
-    substeps: int | None = None
-
-
-def automatic_substeps(step: float, surroundings: Surroundings) -> int:
-    """RK4 steps an interval: one, or as many as a sinusoidal torque needs."""
-    if float(surroundings.sine_amplitude) == 0.0:
-        return 1
-    phase = step * abs(float(surroundings.sine_frequency))
-    return max(1, int(np.ceil(phase / _LONGEST_SUBSTEP_PHASE - 1e-9)))
 
 
 def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
@@ -164,7 +120,17 @@ class SlewTask(Task):
             l1 = goal.kind == "l1"
             # On a frozen support the effort only breaks ties of the printed cost.
             self.effort_weight = goal.weights.sparsity * float(self.scale.max()) if l1 else 1e-4
-        self.arguments = self._arguments(weight, forbidden)
+        plant = slew_parameters(
+            craft,
+            self.mounting,
+            self.start,
+            coarsen(self.table, self.intervals, substeps),
+            aim,
+            passage,
+            grid.step,
+            form,
+        )
+        self.arguments = slew_arguments(plant, self.mounting, goal, weight, forbidden, form, axes)
 
     @property
     def has_speed_limits(self) -> bool:
@@ -176,63 +142,6 @@ class SlewTask(Task):
         momentum = total_momentum(self.craft, self.start.omega_ib, self.start.omega_bw)
         least = np.linalg.eigvalsh(np.asarray(self.craft.inertia_without_spin)).min()
         return float(np.linalg.norm(momentum)) * self.intervals * self.step / float(least)
-
-    def _arguments(self, weight: Floats, forbidden: Flags) -> SparseArguments:
-        craft, start, goal = self.craft, self.start, self.goal
-        wheels, m = craft.wheels, self.mounting
-        inertia = jnp.asarray(craft.inertia)
-        reference = np.asarray(self.aim.q_ob)
-        reference = reference * (1.0 if float(reference @ np.asarray(start.q_ob)) >= 0 else -1.0)
-        passing = self.passage
-        waypoint = reference if passing is None else np.asarray(passing.q_ob)
-        waypoint = waypoint * (1.0 if float(waypoint @ np.asarray(start.q_ob)) >= 0 else -1.0)
-        q_ib = quaternion.multiply(self.table.nodes.orbit_attitude[0], start.q_ob)
-        momentum = total_momentum(craft, start.omega_ib, start.omega_bw)
-        plant = SlewParameters(
-            body=BodyParameters(inertia, jnp.linalg.inv(jnp.asarray(craft.inertia_without_spin))),
-            table=coarsen(self.table, self.intervals, self.substeps),
-            start=jnp.concatenate([q_ib, start.omega_ib]),
-            momentum=momentum if self.form.propelled else quaternion.rotate(q_ib, momentum),
-            reference=jnp.asarray(reference),
-            reference_rate=jnp.asarray(self.aim.omega_ob),
-            waypoint=jnp.asarray(waypoint),
-            waypoint_node=jnp.asarray(1 if passing is None else passing.node),
-            to_body=jnp.asarray(m.to_body * self.scale),
-            to_external=jnp.asarray(m.to_external * self.scale),
-            to_wheels=jnp.asarray(
-                m.to_wheel * self.scale / np.asarray(wheels.torque_limit)[:, None]
-            ),
-            lower=jnp.asarray(m.lower),
-            upper=jnp.asarray(m.upper),
-            step=jnp.asarray(self.step),
-            wheel_speed=jnp.asarray(start.omega_bw),
-            wheel_axes=jnp.asarray(wheels.axes),
-            wheel_inertia=jnp.asarray(wheels.inertia),
-            wheel_torque=jnp.asarray(m.to_wheel * self.scale),
-            speed_limit=jnp.asarray(wheels.speed_limit),
-        )
-        effort_map = m.to_body * self.scale / self.scale.max()
-        if self.form.propelled:
-            # Each actuator pays for itself: the torques of opposed thrusters must not cancel.
-            pushes = np.abs(m.to_body + m.to_external).sum(axis=0)
-            effort_map = np.diag(pushes * self.scale / self.scale.max())
-        elif self.axes == "wheels":
-            # The null space of the mounting turns nothing; a little cost keeps it still.
-            effort_map = np.concatenate([effort_map, 1e-3 * np.eye(self.size)])
-        w = goal.weights
-        rows = [w.attitude / 4.0] * 3 + [2.0 * w.rate / RATE_SCALE**2] * 3
-        rows += [w.waypoint / 4.0] * (3 if passing is not None else 0)
-        soft = goal.terminal == "penalty"
-        free = np.where(np.asarray(forbidden, bool)[:, None], 0.0, np.ones((1, self.size)))
-        return SparseArguments(
-            plant=plant,
-            weight=jnp.asarray(weight),
-            free=jnp.asarray(free),
-            count_scale=jnp.asarray(1.0),
-            effort_scale=jnp.asarray(0.0),
-            effort_map=jnp.asarray(effort_map),
-            row_weight=jnp.asarray(rows if soft else np.full(len(rows), np.inf)),
-        )
 
     def to_controls(self, u: Floats | Array) -> Floats:
         """Torques in the optimisation's axes [N m], within limits, thresholded."""
@@ -354,45 +263,17 @@ class SlewTask(Task):
         if self.goal.kind == "l1":
             parts["l1"] = w.sparsity * self.slack_sum(controls)
         else:
-            parts["sparsity"] = w.sparsity * self._support_cost(controls)
+            weight = np.asarray(self.arguments.weight)
+            parts["sparsity"] = w.sparsity * support_cost(controls, self.goal, weight)
         if self.form.propelled and w.on_off > 0.0:
-            parts["on_off"] = w.on_off * self._partly_open(controls)
+            limit = np.asarray(self.craft.thrusters.torque_limit)
+            parts["on_off"] = w.on_off * partly_open(
+                controls, self.thrust(controls), limit, self.goal
+            )
         return parts
 
-    def _partly_open(self, controls: Floats) -> Floats:
-        """Sum of t (limit - t) over the thrusters of active intervals, or of idle ones, (S,).
-
-        Kristiansen and Gravdahl (2023), eq. 11.  As printed the factor is xi, which is zero
-        wherever a thruster fires; the text describes 1 - xi.
-        """
-        thrust = self.thrust(controls)
-        xi = sparsity.complementarity_vector(controls, self.goal.epsilon, True)
-        factor = xi if self.goal.weights.on_off_idle else 1.0 - xi
-        partly = thrust * (np.asarray(self.craft.thrusters.torque_limit) - thrust)
-        return np.asarray((factor * partly.sum(axis=-1)).sum(axis=-1))
-
-    def _support_cost(self, controls: Floats) -> Floats:
-        xi = sparsity.complementarity_vector(controls, self.goal.epsilon, self.shared)
-        weight = np.asarray(self.arguments.weight)
-        if not self.shared:
-            weight = weight[:, None]
-        support = weight * (1.0 - xi)
-        cost = support.reshape(len(controls), -1).sum(axis=1)
-        # Design 3 (5.15) counts 1 - (xi_1 + xi_2 + xi_3), less than design 2 by 2 an interval.
-        return cost - 2.0 * self.intervals if self.goal.design == 3 else cost
-
     def long_way_probability(self) -> float:
-        """From the rate changes that the two ways round ask for about the axis between attitudes.
-
-        Half where both ask for the same, as for half a turn from rest; falling with the fourth
-        power of their ratio.
-        """
+        """See `slew_case.long_way_probability`."""
         turn = np.asarray(_turn(self.start.q_ob, self.aim.q_ob))
-        angle = float(np.linalg.norm(turn))
-        if angle == 0.0:
-            return 0.0
-        rate = float(self.departure.omega_ob @ turn) / angle
-        duration = self.intervals * self.step
-        short, long = angle / duration, (2.0 * np.pi - angle) / duration
-        short_way, long_way = abs(short - rate) + short, abs(long + rate) + long
-        return float(short_way**4 / (short_way**4 + long_way**4))
+        rate, duration = self.departure.omega_ob, self.intervals * self.step
+        return long_way_probability(turn, rate, duration)

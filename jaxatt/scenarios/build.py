@@ -7,7 +7,8 @@ import numpy as np
 
 from jaxatt.environment import MU_EARTH, KeplerianElements
 from jaxatt.environment.table import Surroundings
-from jaxatt.problems.slew_task import Aim, Departure, Grid, Passage, SlewTask
+from jaxatt.problems.slew_case import Aim, Departure, Grid, Passage
+from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
 from jaxatt.problems.toy import ToyTask
 from jaxatt.scenarios.model import SPACECRAFT, Orbit, Scenario
