@@ -25,7 +25,7 @@ def support_cost(controls: Floats, goal: Goal, weight: Floats) -> Floats:
 def partly_open(controls: Floats, thrust: Floats, limit: Floats, goal: Goal) -> Floats:
     """Sum of t (limit - t) over the thrusters of active intervals, or of idle ones, (S,).
 
-    controls : (S, N, b), those of the thrusters among them.  thrust : (S, N, m) [N m], t.  limit : (m,) [N m].
+    controls : (S, N, b), of all actuators.  thrust : (S, N, m) [N m], t.  limit : (m,) [N m].
     Source: Kristiansen and Gravdahl (2023), eq. 11.  As printed the factor is xi, which is zero
     wherever a thruster fires; the text describes 1 - xi.
     """
