@@ -20,7 +20,7 @@ from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.flight_table import comparison_table
 from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.summary import write_json
-from jaxatt.scenarios.flight_catalog import load_flight
+from jaxatt.scenarios import load_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulating import Report, plan_of, simulate
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from jaxatt.report.files import filling
 from jaxatt.report.rendering import as_text
 from jaxatt.report.result import Floats
 from jaxatt.report.summary import write_json
+from jaxatt.scenarios.bundled import text
 from jaxatt.scenarios.documents import parse
 from jaxatt.scenarios.fields import Table
 from jaxatt.simulation.slew_metrics import footprints, sampling_distance
@@ -141,18 +141,12 @@ class Imaging:
         return as_text(self.table())
 
 
-def imaging_text() -> str:
-    """TOML text of the bundled case."""
-    folder = resources.files("jaxatt.scenarios") / "imaging"
-    return (folder / f"{NAME}.toml").read_text(encoding="utf-8")
-
-
 def compare_imaging(document: Mapping[str, Any] | None = None) -> Imaging:
     """Distances of table 12.2 of Kristiansen (2023) at several altitudes, on the WGS 84 ellipsoid.
 
     document : as the bundled TOML file has it, which is taken by default.
     """
-    data = dict(parse(imaging_text(), NAME) if document is None else document)
+    data = dict(parse(text(NAME), NAME) if document is None else document)
     table = Table(data, NAME, "", _KEYS)
     case = _Case(table)
     printed = {k: table.number(f"printed_{k}_m", above=0.0) for k in ("nadir", "slew")}

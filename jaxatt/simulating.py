@@ -17,9 +17,9 @@ from jaxatt.environment.table import tabulate
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.scenarios.build import build_task, surroundings_of
+from jaxatt.scenarios.catalog import load_flight
 from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.scenarios.flight_build import Plan, build_flight
-from jaxatt.scenarios.flight_catalog import load_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Spread, fly_runs
 from jaxatt.simulation.flight import fly_torque

@@ -14,6 +14,7 @@ from jaxatt import scenarios
 from jaxatt.cli import app
 from jaxatt.report.archive import open_archive
 from jaxatt.report.result import Result
+from jaxatt.scenarios.bundled import KINDS
 
 
 def run(*arguments):
@@ -35,7 +36,7 @@ def test_scenarios_are_listed_with_a_line_each():
     found = run("scenarios")
     assert found.exit_code == 0
     lines = found.output.splitlines()
-    bundled = [*scenarios.names(), *scenarios.flight_names(), "hypso1-imaging"]
+    bundled = [name for kind in KINDS for name in scenarios.names(kind)]
     assert [line.split()[0] for line in lines] == bundled
     assert "Multiple-axis slew to (90, 45, 15) deg" in found.output
 

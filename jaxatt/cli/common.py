@@ -30,23 +30,11 @@ def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scen
     from jaxatt import scenarios
     from jaxatt.report.files import prepare_folder
 
-    if case not in scenarios.names() and not Path(case).is_file() and not case.endswith(".toml"):
-        unknown(case, scenarios.load)
     scenario = scenarios.load(case)
     given = {key: value for key, value in changes.items() if value is not None}
     if given:
         scenario = scenarios.replace(scenario, given)
     return scenario, prepare_folder(out or Path("results") / scenario.name)
-
-
-def unknown(name: str, look_up: Any) -> None:
-    """Raise the look-up's own error, which suggests a near name, and list what there is."""
-    from jaxatt.scenarios import ScenarioError, names
-
-    try:
-        look_up(name)
-    except ScenarioError as error:
-        raise ScenarioError(f"{error}: {', '.join(names())}") from None
 
 
 def show(table: RenderableType) -> None:

@@ -28,10 +28,11 @@ def compare(
 ) -> None:
     """Run every controller, or every law of a flight, with the printed values beside."""
     with clean_exit():
-        if case == "hypso1-imaging":
-            _compare_imaging(out, quiet)
+        kind = _kind(case)
+        if kind == "imaging":
+            _compare_imaging(case, out, quiet)
             return
-        if _is_flight(case):
+        if kind == "flight":
             _compare_flight(case, seed, out, compile_cache, quiet)
             return
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
@@ -52,14 +53,16 @@ def compare(
             raise typer.Exit(NOT_REACHED)
 
 
-def _is_flight(case: str) -> bool:
-    """Whether a name or file is a flight, which has laws, rather than a manoeuvre to solve."""
-    from jaxatt.scenarios import flight_names, names
+def _kind(case: str) -> str:
+    """What a name or file describes; a file with laws is a flight."""
+    from jaxatt.scenarios import kind_of
     from jaxatt.scenarios.documents import read_file
 
-    if case in (*names(), *flight_names()):
-        return case not in names()
-    return Path(case).is_file() and "laws" in read_file(Path(case))
+    known = kind_of(case)
+    if known is not None:
+        return known
+    has_laws = Path(case).is_file() and "laws" in read_file(Path(case))
+    return "flight" if has_laws else "manoeuvre"
 
 
 def _compare_flight(
@@ -81,10 +84,10 @@ def _compare_flight(
     finish(repr(comparison), comparison.save(folder), folder, quiet)
 
 
-def _compare_imaging(out: Path | None, quiet: bool) -> None:
+def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
     from jaxatt.report.files import prepare_folder
 
-    folder = prepare_folder(out or Path("results") / "hypso1-imaging")
+    folder = prepare_folder(out or Path("results") / case)
     prepare_jax()
     from jaxatt.imaging import compare_imaging
 

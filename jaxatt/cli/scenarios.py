@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit, unknown
+from jaxatt.cli.common import clean_exit
 
 scenarios = typer.Typer(help="List the bundled scenarios, or print one as TOML.")
 
@@ -16,10 +16,9 @@ def list_scenarios(context: typer.Context) -> None:
     """List the bundled scenarios with a line each."""
     if context.invoked_subcommand is not None:
         return
-    from jaxatt.scenarios import flight_titles, titles
+    from jaxatt.scenarios.bundled import KINDS, titles
 
-    known = {**titles(), **flight_titles()}
-    known["hypso1-imaging"] = "Ground sampling distance along track: nadir pointing and slew"
+    known = {name: title for kind in KINDS for name, title in titles(kind).items()}
     width = max(len(name) for name in known)
     for name, title in known.items():
         typer.echo(f"{name:{width}}  {title}")
@@ -31,16 +30,6 @@ def show_scenario(
 ) -> None:
     """Print a bundled scenario as TOML, to be changed and solved."""
     with clean_exit():
-        from jaxatt.scenarios import flight_names, flight_text, names, text
+        from jaxatt.scenarios import text
 
-        if name == "hypso1-imaging":
-            from jaxatt.imaging import imaging_text
-
-            typer.echo(imaging_text(), nl=False)
-            return
-        if name in flight_names():
-            typer.echo(flight_text(name), nl=False)
-            return
-        if name not in names():
-            unknown(name, text)
         typer.echo(text(name), nl=False)

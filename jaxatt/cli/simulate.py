@@ -33,7 +33,7 @@ def simulate(
     """Fly a feedback law, once or in a campaign of thousands of runs."""
     with clean_exit():
         from jaxatt.report.files import prepare_folder
-        from jaxatt.scenarios.flight_catalog import load_flight
+        from jaxatt.scenarios import load_flight
 
         prepare_jax(compile_cache)
         flight = load_flight(case)

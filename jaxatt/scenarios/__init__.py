@@ -1,14 +1,9 @@
 """Scenarios: one TOML file for each published case, and the loader that checks them."""
 
 from jaxatt.scenarios.attitudes import quaternion_from_angles
-from jaxatt.scenarios.catalog import load, names, text, titles
+from jaxatt.scenarios.bundled import kind_of, names, text, titles
+from jaxatt.scenarios.catalog import load, load_flight
 from jaxatt.scenarios.fields import ScenarioError
-from jaxatt.scenarios.flight_catalog import (
-    flight_names,
-    flight_text,
-    flight_titles,
-    load_flight,
-)
 from jaxatt.scenarios.flight_loader import flight_from_mapping, replace_in_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file, replace
@@ -47,11 +42,9 @@ __all__ = [
     "Waypoint",
     "Window",
     "flight_from_mapping",
-    "flight_names",
-    "flight_text",
-    "flight_titles",
     "forbidden_mask",
     "from_mapping",
+    "kind_of",
     "load",
     "load_file",
     "load_flight",

@@ -1,48 +1,20 @@
-"""The bundled scenarios."""
+"""Scenarios by their bundled name or from a file."""
 
 from __future__ import annotations
 
-from importlib import resources
-from importlib.resources.abc import Traversable
 from pathlib import Path
 
+from jaxatt.scenarios.bundled import names, suggestion, text
 from jaxatt.scenarios.documents import parse
 from jaxatt.scenarios.fields import ScenarioError
+from jaxatt.scenarios.flight_loader import flight_from_mapping, load_flight_file
+from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file
 from jaxatt.scenarios.model import Scenario
-from jaxatt.scenarios.schema import nearest
-
-
-def _folder() -> Traversable:
-    return resources.files("jaxatt.scenarios") / "data"
-
-
-def names() -> tuple[str, ...]:
-    """Return the names of the bundled scenarios."""
-    files = (entry.name for entry in _folder().iterdir())
-    return tuple(sorted(name[:-5] for name in files if name.endswith(".toml")))
-
-
-def titles() -> dict[str, str]:
-    """Return the one-line title of each bundled scenario by its name."""
-    return {name: str(parse(text(name), name).get("title", name)) for name in names()}
-
-
-def text(name: str) -> str:
-    """Return the TOML text of a bundled scenario.
-
-    Raises
-    ------
-    ScenarioError
-        No such scenario; the nearest name is suggested.
-    """
-    if name not in names():
-        raise ScenarioError(f"{name}: no bundled scenario; {_suggestion(name)}")
-    return (_folder() / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def load(name_or_path: str | Path) -> Scenario:
-    """Return a bundled scenario by name, or the one in a TOML file.
+    """Return a bundled manoeuvre by name, or the one in a TOML file.
 
     A bundled name comes first; write ``./NAME`` for a file that is called the same.
 
@@ -52,16 +24,30 @@ def load(name_or_path: str | Path) -> Scenario:
         Neither exists, or the file cannot be used.
     """
     wanted = str(name_or_path)
-    if wanted in names():
+    if wanted in names("manoeuvre"):
         origin = f"{wanted}.toml"
         return from_mapping(parse(text(wanted), origin), origin=origin)
+    if _is_file(name_or_path):
+        return load_file(Path(name_or_path))
+    raise _neither(wanted, "manoeuvre", "scenario")
+
+
+def load_flight(name_or_path: str | Path) -> FlightScenario:
+    """Return a bundled flight by name, or the one in a TOML file; as `load`."""
+    wanted = str(name_or_path)
+    if wanted in names("flight"):
+        origin = f"{wanted}.toml"
+        return flight_from_mapping(parse(text(wanted), origin), origin=origin)
+    if _is_file(name_or_path):
+        return load_flight_file(Path(name_or_path))
+    raise _neither(wanted, "flight", "flight")
+
+
+def _is_file(name_or_path: str | Path) -> bool:
     path = Path(name_or_path)
-    if path.suffix == ".toml" or path.is_file():
-        return load_file(path)
-    raise ScenarioError(f"{wanted}: neither a bundled scenario nor a file; {_suggestion(wanted)}")
+    return path.suffix == ".toml" or path.is_file()
 
 
-def _suggestion(name: str) -> str:
-    near = nearest(name, names())
-    hint = f"did you mean '{near}'? " if near else ""
-    return f"{hint}`jaxatt scenarios` lists the bundled ones"
+def _neither(wanted: str, kind: str, word: str) -> ScenarioError:
+    hint = suggestion(wanted, kind)
+    return ScenarioError(f"{wanted}: neither a bundled {word} nor a file; {hint}")

@@ -83,7 +83,7 @@ def test_bad_input_is_named(case):
         scenarios.flight_from_mapping(document)
 
 
-@pytest.mark.parametrize("name", scenarios.flight_names())
+@pytest.mark.parametrize("name", scenarios.names("flight"))
 def test_every_bundled_flight_loads(name):
     flight = scenarios.load_flight(name)
     assert flight.name == name
