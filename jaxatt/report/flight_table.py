@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -106,4 +107,7 @@ def comparison_table(scenario: FlightScenario, lines: Sequence[Mapping[str, Any]
 
 
 def _row(values: Sequence[float]) -> str:
-    return "  ".join("inside" if value == -1.0 else short(value) for value in values)
+    words = {-1.0: "inside"}
+    return "  ".join(
+        words.get(value, short(value)) if math.isfinite(value) else "never" for value in values
+    )
