@@ -1,4 +1,4 @@
-"""Settings for every test: double precision, and no silent rank promotion."""
+"""Settings for every test: those of the command line, and no silent rank promotion."""
 
 import os
 import shutil
@@ -12,7 +12,9 @@ if _OWN_CACHE:
 
 import jax  # noqa: E402
 
-jax.config.update("jax_enable_x64", True)
+import jaxatt  # noqa: E402
+
+jaxatt.configure()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
 

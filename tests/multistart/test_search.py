@@ -103,7 +103,8 @@ def test_seeds_reproduce_and_more_starts_keep_the_first(task):
     for name in ("controls", "status", "rank", "iterations", "sign"):
         first = getattr(few.starts, name)
         np.testing.assert_array_equal(first, getattr(again.starts, name))
-        np.testing.assert_array_equal(first, getattr(many.starts, name)[:5])
+        # A chunk of another size is another program, which may round differently.
+        np.testing.assert_allclose(first, getattr(many.starts, name)[:5], rtol=1e-9, atol=1e-15)
     np.testing.assert_array_equal(few.best.controls, again.best.controls)
     other = search(task, 5, seed=4)
     assert (other.starts.controls != few.starts.controls).any()
