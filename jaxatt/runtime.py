@@ -15,8 +15,9 @@ CPU_OPTIONS = {
 }
 """What makes the roll-outs and solvers of this package several times faster on a CPU."""
 
-QUICK_TO_COMPILE = {"xla_cpu_use_fusion_emitters": False}
-"""Compiler options for a large program that runs for less time than it compiles: half as long."""
+_EMITTERS = "--xla_cpu_use_fusion_emitters="
+"""Off: XLA's newer emitters take longer to compile large programs, and end the process where
+multi-output fusion gives them certain loops, those of L-BFGS among them."""
 
 _FLAG = "--xla_backend_extra_options="
 
@@ -33,7 +34,8 @@ def configure(*, cache: str | Path | None = None) -> None:
     flags = os.environ.get("XLA_FLAGS", "")
     if _FLAG not in flags:
         options = ",".join(f"{name}={value}" for name, value in CPU_OPTIONS.items())
-        os.environ["XLA_FLAGS"] = f"{flags} {_FLAG}{options}".strip()
+        emitters = "" if _EMITTERS in flags else f"{_EMITTERS}false"
+        os.environ["XLA_FLAGS"] = f"{flags} {_FLAG}{options} {emitters}".strip()
     jax.config.update("jax_enable_x64", True)  # type: ignore[no-untyped-call]
     # Programs run in the thread that calls them, so that chunks of starts run one a core.
     jax.config.update("jax_cpu_enable_async_dispatch", False)  # type: ignore[no-untyped-call]

@@ -41,3 +41,30 @@ build_task(scenarios.load("hypso1-45-0-0"))
     ended = run(code, XLA_FLAGS="--xla_cpu_enable_fast_math=false")
     assert ended.returncode == 0, ended.stderr
     assert any(tmp_path.iterdir())
+
+
+def test_loops_of_lbfgs_compile_with_what_configure_sets():
+    code = """
+import jax, jaxatt, jax.numpy as jnp, optax
+jaxatt.configure()
+solver = optax.lbfgs()
+
+@jax.jit
+@jax.vmap
+def steps(x):
+    def cost(y):
+        return jnp.sum((y - 1.0) ** 2) + jnp.sum(y[:-1] * y[1:]) ** 2
+    def one(_, carry):
+        y, state = carry
+        value, grad = optax.value_and_grad_from_state(cost)(y, state=state)
+        updates, state = solver.update(
+            grad, state, y, value=value, grad=grad, value_fn=cost
+        )
+        return optax.apply_updates(y, updates), state
+    return jax.lax.fori_loop(0, 30, one, (x, solver.init(x)))[0]
+
+found = steps(jnp.linspace(-1.0, 1.0, 12).reshape(3, 4))
+assert jnp.isfinite(found).all()
+"""
+    ended = run(code)
+    assert ended.returncode == 0, ended.stderr

@@ -15,7 +15,6 @@ from jax import Array
 
 from jaxatt.environment import frames, kepler, orbit
 from jaxatt.environment.sinusoidal import sinusoidal_torque
-from jaxatt.runtime import QUICK_TO_COMPILE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
 
@@ -86,7 +85,7 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     )
 
 
-_on_grid = jax.jit(environment_at, compiler_options=QUICK_TO_COMPILE)
+_on_grid = jax.jit(environment_at)
 
 
 def _without_jumps(q: np.ndarray) -> np.ndarray:
