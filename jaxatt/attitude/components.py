@@ -7,6 +7,7 @@ nothing is stacked and unstacked between them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,6 +88,13 @@ class Vector:
     def largest(self) -> Array:
         """Largest absolute component."""
         return jnp.maximum(jnp.maximum(jnp.abs(self.x), jnp.abs(self.y)), jnp.abs(self.z))
+
+
+def combination(vectors: Sequence[Vector], factors: Sequence[Scalar], like: Vector) -> Vector:
+    """Sum of vectors times factors; of none, zero of the shape of `like`."""
+    zero = 0.0 * like.x
+    terms = (v * factor for v, factor in zip(vectors, factors, strict=True))
+    return sum(terms, Vector(zero, zero, zero))
 
 
 @jax.tree_util.register_dataclass

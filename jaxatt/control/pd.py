@@ -1,4 +1,4 @@
-"""Proportional-derivative attitude law."""
+"""Proportional-derivative law, continuous, towards a constant reference."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.attitude import errors
+from jaxatt.control.departure import departure
+from jaxatt.control.proportional_derivative import proportional_derivative
 from jaxatt.environment.table import Environment
-from jaxatt.spacecraft import dynamics
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft
 
@@ -37,12 +37,9 @@ class PDLaw:
 
     def __call__(self, interval: Array, state: AttitudeState, environment: Environment) -> Array:
         """Wheel torques (n,) [N m] at one instant."""
-        error = errors.error_quaternion(self.reference, state.q_ob)
-        error = jnp.where(error[0] < 0.0, -error, error)
-        rate_error = dynamics.relative_rate(state, environment) - self.reference_rate
-        torque = self.craft.inertia_without_spin @ (
-            self.derivative * rate_error + self.proportional * error[1:]
-        )
+        errors = departure(self.reference, self.reference_rate, state, environment)
+        wanted = proportional_derivative(*errors, self.proportional, self.derivative)
+        torque = self.craft.inertia_without_spin @ wanted
         wheel_torque = self.craft.wheels.allocation @ torque
         limit = jnp.asarray(self.craft.wheels.torque_limit)
         return jnp.clip(wheel_torque, -limit, limit) if self.clipped else wheel_torque

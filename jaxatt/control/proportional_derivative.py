@@ -1,14 +1,24 @@
-"""Proportional-derivative law, sampled and held."""
+"""Proportional-derivative feedback, and the law that samples it and holds."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeVar
 
 import jax
 from jax import Array
 
 from jaxatt.attitude.components import Scalar, Vector, matvec
 from jaxatt.control.feedback import Measured
+
+_V = TypeVar("_V", Vector, Array)
+
+
+def proportional_derivative(
+    error: _V, rate_error: _V, proportional: Scalar, derivative: Scalar
+) -> _V:
+    """K_p eps_e + K_d omega_e, of vectors in components or of arrays (3,)."""
+    return rate_error * derivative + error * proportional
 
 
 @jax.tree_util.register_dataclass
@@ -32,5 +42,7 @@ class ProportionalDerivative:
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
         """Torque on the wheels."""
-        wanted = self.derivative * measured.rate_error + self.proportional * measured.error.eps
+        wanted = proportional_derivative(
+            measured.error.eps, measured.rate_error, self.proportional, self.derivative
+        )
         return matvec(self.inertia, wanted), memory

@@ -8,9 +8,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.attitude import errors
+from jaxatt.control.departure import departure
+from jaxatt.control.proportional_derivative import proportional_derivative
 from jaxatt.environment.table import Environment
-from jaxatt.spacecraft import dynamics
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft
 
@@ -44,10 +44,8 @@ class SchmittLaw:
         self, interval: Array, state: AttitudeState, environment: Environment, opened: Array
     ) -> tuple[Array, Array]:
         """Torques of wheels and thrusters (n + m,) [N m] to hold, and which valves are open."""
-        error = errors.error_quaternion(self.reference, state.q_ob)
-        error = jnp.where(error[0] < 0.0, -error, error)
-        rate_error = dynamics.relative_rate(state, environment) - self.reference_rate
-        wanted = -(self.proportional * error[1:] + self.derivative * rate_error)
+        errors = departure(self.reference, self.reference_rate, state, environment)
+        wanted = -proportional_derivative(*errors, self.proportional, self.derivative)
         thrusters = self.craft.thrusters
         b = jnp.asarray(thrusters.distribution)
         demand = wanted @ b / jnp.sum(b**2, axis=0)

@@ -42,8 +42,7 @@ def _series(result: FlightResult) -> list[tuple[str, Floats, list[str]]]:
 def overview(result: FlightResult) -> Picture:
     """Median, the middle 50 and 90 % of the runs that flew to the end, over time."""
     rows = _series(result)
-    title = result.scenario.law_titles.get(result.law, result.law)
-    head = f"{result.scenario.title}\n{title}: {plural(result.runs, 'run')}"
+    head = _head(result)
     if result.runs > 1:
         head += ", median with the middle 50 % and 90 %"
     figure = picture(9.0, 1.75 * len(rows) + 1.0, head)
@@ -53,7 +52,13 @@ def overview(result: FlightResult) -> Picture:
         axes.set_ylabel(label)
         _command(axes, result)
     column[-1].set_xlabel("time [s]")
+    figure.align_ylabels()
     return figure
+
+
+def _head(result: FlightResult) -> str:
+    title = result.scenario.law_titles.get(result.law, result.law)
+    return f"{result.scenario.title}\n{title}: {plural(result.runs, 'run')}"
 
 
 def _bands(axes: Axes, time: Floats, values: Floats, names: list[str]) -> None:
@@ -70,7 +75,8 @@ def _bands(axes: Axes, time: Floats, values: Floats, names: list[str]) -> None:
             axes.fill_between(time, lower, upper, alpha=0.25, **style)
         axes.plot(time, middle, color=colour(index), linewidth=1.3, label=name)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8)
-    axes.set_xlim(time[0], time[-1])
+    axes.set_xlim(0.0, time[-1])
+    axes.ticklabel_format(axis="y", scilimits=(-3, 4), useMathText=True)
     tidy(axes)
 
 
@@ -87,14 +93,19 @@ def phase_portrait(result: FlightResult) -> Picture:
 def portraits(results: Mapping[str, FlightResult]) -> Picture:
     """Phase portraits of several laws in the same panels."""
     first = next(iter(results.values()))
-    figure = picture(11.0, 3.8, first.scenario.title)
-    row = figure.subplots(1, 3, squeeze=False)[0]
+    moving = _moving(list(results.values()))
+    head = first.scenario.title if len(results) > 1 else _head(first)
+    drawn = min(_SHOWN, int(np.sum(first.sound)))
+    if len(results) == 1 and drawn < first.runs:
+        head += f", {drawn} drawn"
+    figure = picture(2.0 + 3.0 * max(2, len(moving)), 3.8, head)
+    row = figure.subplots(1, len(moving), squeeze=False)[0]
     for number, (name, result) in enumerate(results.items()):
         error, rate = angles(result), np.degrees(np.asarray(result.flown.recorded.rate_error))
         shown = np.flatnonzero(result.sound)[:_SHOWN]
         since = result.record_times >= result.scenario.asked.since
         alpha = 1.0 if len(shown) == 1 else max(0.08, 2.0 / max(1, len(shown)))
-        for index, axes in enumerate(row):
+        for index, axes in zip(moving, row, strict=True):
             for k, run in enumerate(shown):
                 axes.plot(
                     error[run, since, index],
@@ -104,14 +115,27 @@ def portraits(results: Mapping[str, FlightResult]) -> Picture:
                     alpha=alpha,
                     label=result.scenario.law_titles.get(name, name) if k == 0 else None,
                 )
-    for axes, axis in zip(row, AXES, strict=True):
+    for index, axes in zip(moving, row, strict=True):
         axes.plot(0.0, 0.0, "k+", markersize=8)
-        axes.set_xlabel(f"attitude error {axis} [deg]")
+        axes.set_xlabel(f"attitude error {AXES[index]} [deg]")
+        axes.locator_params(axis="x", nbins=6)
         tidy(axes)
     row[0].set_ylabel("rate error [deg/s]")
     if len(results) > 1:
         row[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=8)
     return figure
+
+
+def _moving(results: list[FlightResult]) -> list[int]:
+    """Axes on which some run leaves the reference; all of them where none does."""
+    largest = np.zeros(len(AXES))
+    for result in results:
+        rate = np.degrees(np.asarray(result.flown.recorded.rate_error))
+        for values in (angles(result), rate):
+            sizes = np.abs(values[result.sound]).max(axis=(0, 1), initial=0.0)
+            largest = np.maximum(largest, sizes)
+    found = np.flatnonzero(largest > 1e-9 * largest.max())
+    return found.tolist() if len(found) else list(range(len(AXES)))
 
 
 def compare(results: Mapping[str, FlightResult]) -> Picture:
@@ -131,4 +155,5 @@ def compare(results: Mapping[str, FlightResult]) -> Picture:
                 legend.remove()
         grid[0, column].set_title(result.scenario.law_titles.get(name, name), fontsize="medium")
         grid[-1, column].set_xlabel("time [s]")
+    figure.align_ylabels(grid[:, 0])
     return figure

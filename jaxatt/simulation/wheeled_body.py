@@ -1,0 +1,84 @@
+"""How a body with wheels moves while its torques are held."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from jaxatt.attitude.components import Matrix, Vector, combination
+from jaxatt.attitude.vectors import inverse
+from jaxatt.environment.external import Along, ExternalTorques
+from jaxatt.simulation.rigid_step import Body, Motion, runge_kutta
+from jaxatt.spacecraft.vehicle import Spacecraft
+
+
+class WheeledBody(NamedTuple):
+    """A vehicle as it is, in scalars.
+
+    axes : of the wheels.  wheel_inertia, per_inertia : (n,) [kg m^2] and its inverse.
+    """
+
+    body: Body
+    axes: tuple[Vector, ...]
+    wheel_inertia: Array
+    per_inertia: Array
+
+    def speeds(self, motion: Motion, spins: tuple[Array, ...]) -> tuple[Array, ...]:
+        """Of the wheels relative to the body [rad/s], from their axial momenta [N m s]."""
+        return tuple(
+            jnp.asarray(spins[k] * self.per_inertia[k] - axis.dot(motion.omega))
+            for k, axis in enumerate(self.axes)
+        )
+
+    def spins(self, omega: Vector, speeds: Array) -> tuple[Array, ...]:
+        """Axial momentum of each wheel, inertial [N m s]; the inverse of `speeds`."""
+        return tuple(
+            self.wheel_inertia[k] * (speeds[k] + axis.dot(omega))
+            for k, axis in enumerate(self.axes)
+        )
+
+    def advance(
+        self,
+        motion: Motion,
+        spins: tuple[Array, ...],
+        torque: Vector,
+        dipole: Vector | None,
+        along: Along,
+        period: Array,
+        torques: ExternalTorques,
+    ) -> Motion:
+        """Motion after one period of held torques.
+
+        torque : on the wheels in body axes [N m].  along : (steps, 4).
+        """
+        steps = jax.tree.leaves(along)[0].shape[0]
+        step = period / steps
+
+        def substep(
+            carry: tuple[Motion, Vector], environment: Along
+        ) -> tuple[tuple[Motion, Vector], None]:
+            at, momentum = carry
+            moved = runge_kutta(at, momentum, torque, dipole, environment, step, self.body, torques)
+            return (moved, momentum + step * torque), None
+
+        begin = motion, combination(self.axes, spins, motion.omega)
+        if steps == 1:
+            (end, _), _ = substep(begin, jax.tree.map(lambda x: x[0], along))
+        else:
+            (end, _), _ = lax.scan(substep, begin, along)
+        return end
+
+
+def wheeled_body(craft: Spacecraft) -> WheeledBody:
+    """Of a vehicle."""
+    without_spin = jnp.asarray(craft.inertia_without_spin)
+    inertia = jnp.asarray(craft.wheels.inertia)
+    return WheeledBody(
+        Body(*map(Matrix.of, (jnp.asarray(craft.inertia), without_spin, inverse(without_spin)))),
+        tuple(Vector.of(jnp.asarray(craft.wheels.axes)[:, k]) for k in range(craft.wheels.count)),
+        inertia,
+        1.0 / inertia,
+    )
