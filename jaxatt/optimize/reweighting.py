@@ -46,9 +46,9 @@ class Reweighting:
     settling : steps on the frozen support.  settled_smoothing : their s.
     """
 
-    deciding: int = 14
+    deciding: int = 12
     smoothing: float = 0.1
-    factor: float = 0.587
+    factor: float = 0.533
     settling: int = 2
     settled_smoothing: float = 1e-3
 
