@@ -15,6 +15,9 @@ CPU_OPTIONS = {
 }
 """What makes the roll-outs and solvers of this package several times faster on a CPU."""
 
+QUICK_TO_COMPILE = {"xla_backend_optimization_level": 1}
+"""Compiler options for the large programs of a search, which run no slower for it."""
+
 _EMITTERS = "--xla_cpu_use_fusion_emitters="
 """Off: XLA's newer emitters take longer to compile large programs, and end the process where
 multi-output fusion gives them certain loops, those of L-BFGS among them."""

@@ -26,6 +26,7 @@ from jaxatt.problems.hands_off import (
 )
 from jaxatt.problems.program import Program
 from jaxatt.problems.task import Floats
+from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import CHUNK, Progress, in_chunks
 
 
@@ -76,7 +77,7 @@ _EARLY_ITERATIONS = 16
 """Most lanes of a polish have ended by then."""
 
 
-@functools.partial(jax.jit, static_argnames=("form",))
+@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
 def _solve_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:
@@ -92,7 +93,7 @@ def _solve_chunk(
     return jax.vmap(one)(jax.tree.map(jnp.asarray, lanes))
 
 
-@functools.partial(jax.jit, static_argnames=("form",))
+@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
 def _sparsify_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, settings: Reweighting
 ) -> SparseRoot:
@@ -118,7 +119,7 @@ def _sparsify_chunk(
     return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, -1, 0), found)
 
 
-@functools.partial(jax.jit, static_argnames=("form",))
+@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
 def _effort_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:

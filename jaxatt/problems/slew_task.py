@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -23,6 +25,7 @@ from jaxatt.problems.slew_case import (
 )
 from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
+from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.pulse_flight import fly_pulses
@@ -48,7 +51,7 @@ def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
     return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
 
 
-@jax.jit
+@functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
 def _fly_many(
     craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
