@@ -2,10 +2,7 @@
 
 from jaxatt import scenarios
 from jaxatt.certificate import Certificate, certify
-from jaxatt.comparison import compare
-from jaxatt.flight_comparison import FlightComparison, compare_flight
 from jaxatt.minimization import Minimum, minimize
-from jaxatt.relative_sparsity import relative_sparsity
 from jaxatt.report.archive import open_archive
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Leg, Result
@@ -13,6 +10,9 @@ from jaxatt.runtime import configure
 from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.simulating import simulate
 from jaxatt.solving import solve
+from jaxatt.studies.comparison import compare
+from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
+from jaxatt.studies.relative_sparsity import relative_sparsity
 
 __all__ = [
     "Certificate",

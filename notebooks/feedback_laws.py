@@ -28,12 +28,12 @@ import jaxatt
 from jaxatt import compare_flight, simulate
 from jaxatt.control.eigenaxis import Eigenaxis
 from jaxatt.control.krstic_tsiotras import KrsticTsiotras
-from jaxatt.imaging import compare_imaging
 from jaxatt.report.figure import colour, picture, tidy
 from jaxatt.report.flight_plots import angles, portraits
 from jaxatt.scenarios import load_flight, replace_in_flight
-from jaxatt.tuning import tune
-from jaxatt.tuning_procedure import tune_as_printed
+from jaxatt.studies.imaging import compare_imaging
+from jaxatt.studies.tuning import tune
+from jaxatt.studies.tuning_procedure import tune_as_printed
 
 jaxatt.configure()
 

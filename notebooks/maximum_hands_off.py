@@ -41,10 +41,10 @@ from IPython.display import Markdown, display
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.comparison import compare
 from jaxatt.report.wording import indices_text
 from jaxatt.scenarios.build import build_task
 from jaxatt.solving import fly_pd
+from jaxatt.studies.comparison import compare
 
 jax.config.update("jax_enable_x64", True)
 

@@ -31,10 +31,10 @@ from IPython.display import Markdown, display
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.comparison import compare
-from jaxatt.relative_sparsity import attainable, relative_sparsity
 from jaxatt.report import plots
 from jaxatt.report.wording import indices_text
+from jaxatt.studies.comparison import compare
+from jaxatt.studies.relative_sparsity import attainable, relative_sparsity
 
 jax.config.update("jax_enable_x64", True)
 

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 from jaxatt import compare_flight, simulate
 from jaxatt.cli import app
 from jaxatt.control.eigenaxis import Eigenaxis
-from jaxatt.imaging import compare_imaging
 from jaxatt.report.archive import open_archive
 from jaxatt.scenarios import load_flight, replace_in_flight
+from jaxatt.studies.imaging import compare_imaging
 
 
 def lines_of(comparison):

@@ -37,8 +37,8 @@ def compare(
             return
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
         prepare_jax(compile_cache)
-        from jaxatt.comparison import compare as run
         from jaxatt.progress import Reporter
+        from jaxatt.studies.comparison import compare as run
 
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, report=report)
@@ -71,9 +71,9 @@ def _compare_flight(
     from jaxatt.report.files import prepare_folder
 
     prepare_jax(cache)
-    from jaxatt.flight_comparison import compare_flight
     from jaxatt.progress import Reporter
     from jaxatt.scenarios import load_flight
+    from jaxatt.studies.flight_comparison import compare_flight
 
     flight = load_flight(case)
     folder = prepare_folder(out or Path("results") / flight.name)
@@ -89,7 +89,7 @@ def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
 
     folder = prepare_folder(out or Path("results") / case)
     prepare_jax()
-    from jaxatt.imaging import compare_imaging
+    from jaxatt.studies.imaging import compare_imaging
 
     found = compare_imaging()
     if not quiet:

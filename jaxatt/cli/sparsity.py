@@ -31,8 +31,8 @@ def sparsity(
             raise typer.BadParameter(f"{intervals}: give whole numbers of at least 2")
         prepare_jax(compile_cache)
         from jaxatt.progress import Reporter
-        from jaxatt.relative_sparsity import relative_sparsity
         from jaxatt.report.tables import sparsity_table
+        from jaxatt.studies.relative_sparsity import relative_sparsity
 
         with Reporter(starts, quiet) as report:
             study = relative_sparsity(

@@ -76,7 +76,7 @@ _LABELS = {
 def comparison_table(scenario: FlightScenario, lines: Sequence[Mapping[str, Any]]) -> Table:
     """Obtained beside printed, a line a figure; what is not reproduced says why.
 
-    lines : as `jaxatt.flight_comparison.Line` holds them.
+    lines : as `jaxatt.studies.flight_comparison.Line` holds them.
     """
     table = Table(
         title=Text(f"{scenario.title}\nprinted: {scenario.source}", style="bold"),

@@ -55,7 +55,8 @@ def comparison_table(
 ) -> Group:
     """Rows of a comparison: what was found with the printed values beside, then how good it is.
 
-    rows : as `jaxatt.comparison.Row.to_dict` gives them.  printed : the scenario's printed values.
+    rows : as `jaxatt.studies.comparison.Row.to_dict` gives them.
+    printed : the scenario's printed values.
     findings : sentences below the tables.
     """
     toy = all(row["state_error"] is not None for row in rows)
@@ -108,7 +109,7 @@ def comparison_table(
 
 
 def sparsity_table(study: Mapping[str, Any]) -> Group:
-    """A study of relative sparsity, as `jaxatt.relative_sparsity.Study.to_dict` gives it."""
+    """A study of relative sparsity, as its own `to_dict` gives it."""
     tables = []
     for key, title in (
         ("against_intervals", "Relative sparsity against intervals"),

@@ -12,9 +12,7 @@ import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
-from jaxatt.baseline import FlownPD, fly_pd_legs
 from jaxatt.multistart.search import Report
-from jaxatt.relative_sparsity import attainable
 from jaxatt.report import plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
@@ -26,6 +24,8 @@ from jaxatt.report.summary import summary, write_json
 from jaxatt.report.tables import comparison_table
 from jaxatt.report.wording import OBJECTIVES
 from jaxatt.solving import solve
+from jaxatt.studies.baseline import FlownPD, fly_pd_legs
+from jaxatt.studies.relative_sparsity import attainable
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from jaxatt.impulse_balance import eigenaxis_on_time, largest_torque, least_intervals, least_on_time
 from jaxatt.spacecraft import create, thrusters
+from jaxatt.studies.impulse_balance import (
+    eigenaxis_on_time,
+    largest_torque,
+    least_intervals,
+    least_on_time,
+)
 
 PAIRS = np.concatenate([np.eye(3), -np.eye(3)], axis=1)
 

@@ -9,8 +9,8 @@ import pytest
 from jaxatt.scenarios import load_flight, replace_in_flight
 from jaxatt.scenarios.flight_build import build_flight
 from jaxatt.simulation.slew_metrics import quaternion_accuracy, rmsd
-from jaxatt.tuning import _evaluator, tune
-from jaxatt.tuning_procedure import tune_as_printed
+from jaxatt.studies.tuning import _evaluator, tune
+from jaxatt.studies.tuning_procedure import tune_as_printed
 
 FREE = ("coupling", "proportional.1", "derivative.1")
 

@@ -16,11 +16,6 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.attitude import errors
-from jaxatt.impulse_balance import (
-    eigenaxis_on_time,
-    least_intervals,
-    least_on_time,
-)
 from jaxatt.multistart.bursts import nearest_bursts, try_bursts
 from jaxatt.multistart.candidates import join
 from jaxatt.multistart.polish import Method
@@ -31,6 +26,11 @@ from jaxatt.report.files import filling
 from jaxatt.report.summary import write_json
 from jaxatt.report.wording import plural
 from jaxatt.scenarios.build import build_task
+from jaxatt.studies.impulse_balance import (
+    eigenaxis_on_time,
+    least_intervals,
+    least_on_time,
+)
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,10 @@ import json
 import handmade_results
 import pytest
 
-import jaxatt.comparison
+import jaxatt.studies.comparison
 from jaxatt import scenarios
-from jaxatt.baseline import fly_pd_legs
-from jaxatt.comparison import compare
+from jaxatt.studies.baseline import fly_pd_legs
+from jaxatt.studies.comparison import compare
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def solved(monkeypatch):
             report("polishing", 1)
         return handmade_results.handmade(scenario.name)
 
-    monkeypatch.setattr(jaxatt.comparison, "solve", solve)
+    monkeypatch.setattr(jaxatt.studies.comparison, "solve", solve)
     return asked
 
 

@@ -1,0 +1,1 @@
+"""Studies built on solving and simulating: comparisons with printed values, sweeps, tuning."""
