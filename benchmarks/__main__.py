@@ -93,6 +93,9 @@ def main() -> None:
     for case in cases[1:]:
         rows.append(jaxatt_side.searches(case, options.starts, options.repeats))
         _tell(rows[-1:])
+    for case in (cases[0], cases[-1]):
+        rows.append(jaxatt_side.searches(case, options.starts, options.repeats, polished=True))
+        _tell(rows[-1:])
     rows.append(jaxatt_side.searches(MAIN, options.starts, max(3, options.repeats // 4), "riccati"))
     _tell(rows[-1:])
     report["jaxatt"] = [asdict(row) for row in rows]

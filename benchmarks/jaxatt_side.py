@@ -13,7 +13,7 @@ from benchmarks.peak import operations
 from benchmarks.timing import timed
 from benchmarks.usefulness import reaching, useful
 from jaxatt.multistart.enumeration import classes_up_to, enumerate_class
-from jaxatt.multistart.polish import Method, decide
+from jaxatt.multistart.polish import Method, decide, polish
 from jaxatt.multistart.starts import draw
 from jaxatt.problems.task import Task
 from jaxatt.simulation.chunks import chunk_for, in_chunks
@@ -45,26 +45,32 @@ def rollouts(batch: int, repeats: int, peak: float) -> list[Throughput]:
     def one(u: jax.Array) -> jax.Array:
         return task.system.rows(u, plant)
 
-    forward = jax.jit(lambda u: jax.vmap(one, in_axes=-1, out_axes=-1)(jnp.moveaxis(u, 0, -1)).T)
-    gradient = jax.jit(
-        lambda u: jax.vmap(jax.jacrev(one), in_axes=-1, out_axes=0)(jnp.moveaxis(u, 0, -1))
-    )
+    def slopes(u: jax.Array) -> jax.Array:
+        assert task.system.response is not None
+        return task.system.response(u, plant)[1]
+
+    # Starts last, as the searches have them; leading axis the chunks.
+    forward = jax.jit(lambda u: jax.vmap(one, in_axes=-1, out_axes=-1)(u[0])[None])
+    gradient = jax.jit(lambda u: jax.vmap(slopes, in_axes=-1, out_axes=0)(u[0])[None])
     count = operations(one, jnp.zeros((task.intervals, task.size)))
     rng = np.random.default_rng(0)
-    u = 0.01 * rng.normal(size=(batch, task.intervals, task.size))
+    u = 0.01 * rng.normal(size=(batch // rows, task.intervals, task.size, rows))
     found = []
     for what, run, work in (("roll-outs", forward, count), ("Jacobians", gradient, None)):
-        time = timed(lambda _, run=run, what=what: in_chunks(run, u, rows, key=what), repeats)
+        time = timed(lambda _, run=run, what=what: in_chunks(run, u, 1, key=what), repeats)
         rate = batch / time.run_s
         share = None if work is None else rate * work / peak
         found.append(Throughput(what, batch, time.compile_s, time.run_s, rate, peak_share=share))
     return found
 
 
-def searches(case: str, batch: int, repeats: int, inner: str = "auto") -> Throughput:
+def searches(
+    case: str, batch: int, repeats: int, inner: str = "auto", polished: bool = False
+) -> Throughput:
     """Random starts to settled controls: supports decided, frozen and settled.
 
     Every repetition has starts of its own, and their drawing counts.
+    polished : whether the least effort on the supports is found too, and the answers flown.
     """
     task = task_of(case)
     rows = chunk_for(batch)
@@ -73,11 +79,14 @@ def searches(case: str, batch: int, repeats: int, inner: str = "auto") -> Throug
     def run(index: int) -> np.ndarray:
         starts = draw(index, batch, task.intervals, task.size, task.long_way_probability())
         u, supports = decide(task, starts, method)
+        if polished:
+            return polish(task, u, supports, starts.sign, method).controls
         return task.to_controls(u * supports)
 
     time = timed(run, repeats)
     share = float(np.mean([_useful(task, run(index), case) for index in range(3)]))
-    name = "search" if inner == "auto" else f"search, {inner}"
+    name = "search and polish" if polished else "search"
+    name = name if inner == "auto" else f"{name}, {inner}"
     return Throughput(
         f"{name}, {case}", batch, time.compile_s, time.run_s, batch / time.run_s, share
     )
