@@ -26,6 +26,8 @@ def flight_summary(result: FlightResult) -> dict[str, Any]:
     settling = result.figure("settling")
     rms, final = factor * result.figure("rms"), factor * np.abs(result.figure("final"))
     peak = result.figure("peak")
+    if result.runs > 1:
+        peak = np.abs(peak)  # its sign changes from run to run: percentiles are of its size
     found: dict[str, Any] = {
         "scenario": result.scenario.name,
         "law": result.law,
