@@ -154,7 +154,13 @@ def solve_lanes(
     run = functools.partial(_solve_chunk, form)
     key = ("solve", form, lanes.u.shape[1:])
     return retiring(
-        lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
+        lambda chunk, limited: run(chunk, arguments, limited),
+        lanes,
+        schedule,
+        rows,
+        progress,
+        key,
+        together=False,
     )
 
 
@@ -181,17 +187,18 @@ def retiring(
     rows: int,
     progress: Progress | None,
     key: Hashable,
+    together: bool = True,
 ) -> Any:
     """`run` on all lanes, chunk by chunk, so that the slowest does not rule.
 
     A chunk runs until its slowest lane ends.  So lanes that take long are retired after a few
     iterations and solved again among themselves, from their start, which changes no result.
-    run, key : as in `in_chunks`; the solutions have a `status` and `iterations`.
+    run, key, together : as in `in_chunks`; the solutions have a `status` and `iterations`.
     """
 
     def solve_with(limit: int, some: Lanes, told: Progress | None) -> Any:
         limited = replace(schedule, max_iterations=limit)
-        return in_chunks(lambda chunk: run(chunk, limited), some, rows, told, key)
+        return in_chunks(lambda chunk: run(chunk, limited), some, rows, told, key, together)
 
     limit = min(_EARLY_ITERATIONS, schedule.max_iterations)
     found = solve_with(limit, lanes, progress)

@@ -28,9 +28,7 @@ def _cores() -> int:
 def workers() -> int:
     """Chunks that run side by side.
 
-    One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime`.  With
-    its asynchronous dispatch they would share one pool of threads, in which programs that call
-    LAPACK can wait for each other for ever.
+    One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime`.
     """
     inline = not jax.config.read("jax_cpu_enable_async_dispatch")  # type: ignore[no-untyped-call]
     return _cores() if inline and jax.default_backend() == "cpu" else 1
@@ -75,6 +73,7 @@ def in_chunks(
     rows: int = CHUNK,
     progress: Progress | None = None,
     key: Hashable = None,
+    together: bool = True,
 ) -> Any:
     """`run` on all rows of a batch, chunk by chunk, and its results gathered on the host.
 
@@ -82,9 +81,12 @@ def in_chunks(
     interpreter free while it works: chunks run side by side, one a core.
     key : what `run` compiles for; the first chunk of a new key runs alone, or every thread would
     compile it.
+    together : False where `run` calls LAPACK: such programs take turns, because side by side they
+    can wait for ever for each other's threads.
     """
     parts = list(padded_chunks(batch, rows))
     alone = 0 if key is not None and (key, rows) in _compiled else 1
+    alone = alone if together else len(parts)
     _compiled.add((key, rows))
     gathered = []
 

@@ -155,7 +155,7 @@ def test_the_printed_text_is_a_file_to_start_from(tmp_path):
 def test_a_misspelt_case_suggests_the_near_one():
     with pytest.raises(ScenarioError, match="did you mean 'hypso1-90-45-15'"):
         scenarios.load("hypso1-90-45-16")
-    with pytest.raises(ScenarioError, match="bundled: .*hypso1-90-45-15"):
+    with pytest.raises(ScenarioError, match=r"bundled: .*hypso1-90-45-15"):
         scenarios.text("nothing-like-it")
 
 
