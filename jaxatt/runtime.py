@@ -10,19 +10,20 @@ import jax
 CPU_OPTIONS = {
     # Loops whose buffers are smaller become one machine function instead of many small calls.
     "xla_cpu_small_while_loop_byte_threshold": "16777216",
-    # Results that share subexpressions leave one loop instead of being computed again for each.
+    # Results that share subexpressions are not fused apart and computed again for each.
     "xla_cpu_use_multi_output_fusion": "true",
 }
 """What makes the roll-outs and solvers of this package several times faster on a CPU."""
 
-QUICK_TO_COMPILE = {"xla_backend_optimization_level": 1}
-"""Compiler options for the large programs of a search, which run no slower for it."""
+_FLAGS = {
+    "--xla_backend_extra_options": ",".join(f"{key}={value}" for key, value in CPU_OPTIONS.items()),
+    # The pass that the second option also turns on gains nothing here, and what it makes of some
+    # loops, those of L-BFGS among them, ends the process when it is compiled.
+    "--xla_disable_hlo_passes": "cpu_multi_output_fusion",
+}
 
-_EMITTERS = "--xla_cpu_use_fusion_emitters="
-"""Off: XLA's newer emitters take longer to compile large programs, and end the process where
-multi-output fusion gives them certain loops, those of L-BFGS among them."""
-
-_FLAG = "--xla_backend_extra_options="
+QUICK_TO_COMPILE = {"xla_backend_optimization_level": 1, "xla_cpu_use_fusion_emitters": False}
+"""Compiler options for the large programs of a search, which run no slower for them."""
 
 
 def configure(*, cache: str | Path | None = None) -> None:
@@ -35,10 +36,8 @@ def configure(*, cache: str | Path | None = None) -> None:
     variable JAX_COMPILATION_CACHE_DIR does the same.
     """
     flags = os.environ.get("XLA_FLAGS", "")
-    if _FLAG not in flags:
-        options = ",".join(f"{name}={value}" for name, value in CPU_OPTIONS.items())
-        emitters = "" if _EMITTERS in flags else f"{_EMITTERS}false"
-        os.environ["XLA_FLAGS"] = f"{flags} {_FLAG}{options} {emitters}".strip()
+    added = (f"{flag}={value}" for flag, value in _FLAGS.items() if f"{flag}=" not in flags)
+    os.environ["XLA_FLAGS"] = " ".join([flags, *added]).strip()
     jax.config.update("jax_enable_x64", True)  # type: ignore[no-untyped-call]
     # Programs run in the thread that calls them, so that chunks of starts run one a core.
     jax.config.update("jax_cpu_enable_async_dispatch", False)  # type: ignore[no-untyped-call]
