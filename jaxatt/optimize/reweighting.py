@@ -46,9 +46,9 @@ class Reweighting:
     settling : steps on the frozen support.  settled_smoothing : their s.
     """
 
-    deciding: int = 13
+    deciding: int = 14
     smoothing: float = 0.1
-    factor: float = 0.561
+    factor: float = 0.587
     settling: int = 2
     settled_smoothing: float = 1e-3
 
