@@ -11,6 +11,7 @@ from typing import Any
 from jaxatt.scenarios import manoeuvre, settings
 from jaxatt.scenarios.documents import read_file
 from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.free_time import check_free_time
 from jaxatt.scenarios.model import SPACECRAFT, TOY_SYSTEMS, Scenario
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
 from jaxatt.scenarios.valves import check_thrusters
@@ -73,6 +74,7 @@ def from_mapping(
             raise ScenarioError(f"{origin}: [waypoint] and [[legs]] are both given; keep one")
         waypoint = manoeuvre.read_waypoint(plain["waypoint"], origin, horizon, notes)
     objective = settings.read_objective(plain.get("objective", {}), origin, toy)
+    check_free_time(plain, origin, horizon, objective)
     windows = read_windows(plain.get("windows", []), origin, horizon)
     if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
         notes.append("moving-l0 without a cheap window is the same as l0; add [[windows]]")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from jaxatt.spacecraft.checks import Float64
 
 SPACECRAFT = "spacecraft"
 TOY_SYSTEMS = ("double-integrator", "van-der-pol")
+SPARSE_KINDS = ("l0", "moving-l0", "l1")
 
 
 @dataclass(frozen=True)
@@ -76,12 +78,17 @@ class Horizon:
     """Duration [s], control intervals, coasting intervals after the end, RK4 steps an interval.
 
     `substeps` is None where the number is chosen automatically.
+    free : whether the final time of each leg is found, from `shortest` to `longest` [s]; the number
+    of intervals stays and their length changes.  `duration` is then the first one to be tried.
     """
 
     duration: float
     intervals: int
     coast_intervals: int
     substeps: int | None
+    free: bool = False
+    shortest: float = 0.0
+    longest: float = math.inf
 
     @property
     def step(self) -> float:
@@ -131,6 +138,8 @@ class Objective:
         k4 of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters.
     on_off_form : "active" or "printed"
         Whether the term counts in active intervals (1 - xi) or, as printed, in idle ones (xi).
+    time_weight : float [1/s]
+        Cost of a second of free final time, in active intervals.
     """
 
     kind: str
@@ -143,6 +152,7 @@ class Objective:
     waypoint_weight: float
     on_off_weight: float = 0.0
     on_off_form: str = "active"
+    time_weight: float = 0.0
 
 
 @dataclass(frozen=True)

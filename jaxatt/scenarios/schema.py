@@ -7,7 +7,15 @@ from collections.abc import Iterable, Mapping
 
 _ATTITUDE = ("attitude_deg", "attitude_quaternion")
 _TARGET = (*_ATTITUDE, "rate_rad_s", "attitude_tolerance_deg", "rate_tolerance_rad_s")
-_HORIZON = ("horizon_s", "intervals", "coast_intervals", "substeps")
+_HORIZON = (
+    "horizon_s",
+    "intervals",
+    "coast_intervals",
+    "substeps",
+    "final_time",
+    "shortest_s",
+    "longest_s",
+)
 _WINDOW = ("first_interval", "last_interval", "start_s", "end_s", "weight", "forbidden")
 _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
@@ -44,7 +52,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
     "initial": (*_ATTITUDE, "rate_rad_s", "wheel_speed_rad_s"),
     "target": _TARGET,
     "legs": _TARGET,
-    "waypoint": (*_ATTITUDE, "time_s", "tolerance_deg"),
+    "waypoint": (*_ATTITUDE, "time_s", "node", "tolerance_deg"),
     "horizon": _HORIZON,
     "disturbances": (
         "gravity_gradient",
@@ -63,6 +71,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "waypoint_weight",
         "on_off_weight",
         "on_off_form",
+        "time_weight_1_s",
     ),
     "windows": _WINDOW,
     "solver": _SOLVER,
@@ -74,7 +83,7 @@ TOY_TABLES: Mapping[str, tuple[str, ...]] = {
     "target": ("state", "tolerance"),
     "horizon": _HORIZON,
     "control": ("limit",),
-    "objective": ("kind", "terminal", "epsilon"),
+    "objective": ("kind", "terminal", "epsilon", "time_weight_1_s"),
     "windows": _WINDOW,
     "solver": _SOLVER,
     "printed": (),
@@ -91,6 +100,7 @@ UNITS = {
     "_Nms": "newton metre seconds",
     "_Nm": "newton metres",
     "_s2": "s^2",
+    "_1_s": "1/s",
     "_s": "seconds",
 }
 
