@@ -10,9 +10,9 @@ from jaxatt.scenarios.fields import Table
 from jaxatt.scenarios.model import SPARSE_KINDS, Horizon, Objective
 
 
-def read_final_time(table: Table) -> tuple[bool, float, float]:
+def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, float]:
     """Whether the final time is free, the shortest and the longest allowed [s]; of [horizon]."""
-    free = table.choice("final_time", ("fixed", "free"), "fixed") == "free"
+    free = table.choice("final_time", ("fixed", "free"), default) == "free"
     for key in ("shortest_s", "longest_s"):
         if key in table and not free:
             table.fail(
