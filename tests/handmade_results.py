@@ -140,9 +140,9 @@ def resting() -> Result:
     return assemble(scenario, leg)
 
 
-def timed(name: str = "mrp-k4", step: float = 0.7) -> Result:
+def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Result:
     """Result of a turn in minimum time: bang-bang about the target's axis, rolled along it."""
-    scenario = scenarios.load(name)
+    scenario = scenarios.load(case) if isinstance(case, str) else case
     horizon, target, vehicle = scenario.horizon, scenario.targets[0], scenario.vehicle
     assert vehicle is not None
     count, wheels = horizon.intervals, vehicle.wheels.count
@@ -195,7 +195,7 @@ def timed(name: str = "mrp-k4", step: float = 0.7) -> Result:
             stationarity=1e-8,
             minima=3,
             share=0.5,
-            end_error=math.radians(0.1),
+            own_error=1e-9,
             start_costs=cost,
             start_times=cost - 0.5,
             attitude=scenario.transcription.attitude,

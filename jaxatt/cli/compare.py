@@ -26,7 +26,7 @@ def compare(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run every controller, or every law of a flight, with the printed values beside."""
+    """Run every controller, law of a flight or transcription, with the printed values beside."""
     with clean_exit():
         kind = _kind(case)
         if kind == "imaging":
@@ -38,8 +38,12 @@ def compare(
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
         prepare_jax(compile_cache)
         from jaxatt.progress import Reporter
-        from jaxatt.studies.comparison import compare as run
+        from jaxatt.scenarios.model import TIME_KINDS
+        from jaxatt.studies.comparison import compare as run_controllers
+        from jaxatt.studies.time_comparison import compare_times
 
+        timed = scenario.objective.kind in TIME_KINDS
+        run = compare_times if timed else run_controllers
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, report=report)
         if not quiet:

@@ -181,8 +181,8 @@ def _time_optimum(leg: Leg) -> dict[str, _Variable]:
         "kkt_violation": _labelled(optimum.violation, (), "1", "largest violation"),
         "kkt_stationarity": _labelled(optimum.stationarity, (), "1", "Lagrangian's gradient"),
         "share_at_best": _labelled(optimum.share, (), "1", "share of starts at the best minimum"),
-        "end_error": _labelled(
-            optimum.end_error, (), "rad", "between the ends of transcription and flight"
+        "own_error": _labelled(
+            optimum.own_error, (), "rad", "attitude error where the transcription ends"
         ),
     }
 

@@ -25,7 +25,8 @@ class TimeOptimum:
     gradient of its Lagrangian, both as the solver scales them.
     minima : different minima among the starts that ended well.  share : of all starts, those that
     ended at the best.
-    end_error : [rad] between the end of the transcription and that of the flight with fine steps.
+    own_error : [rad] by which the end of the transcription misses the target; that of the flight
+        with fine steps stands among the leg's errors.
     start_costs, start_times : (S,) [s], cost and final time where each start ended.
     attitude, integration : of the transcription.
     """
@@ -38,7 +39,7 @@ class TimeOptimum:
     stationarity: float
     minima: int
     share: float
-    end_error: float
+    own_error: float
     start_costs: Floats
     start_times: Floats
     attitude: str
@@ -62,7 +63,7 @@ class TimeOptimum:
             "transcription": {
                 "attitude": self.attitude,
                 "integration": self.integration,
-                "end_error_deg": float(np.degrees(self.end_error)),
+                "attitude_error_deg": float(np.degrees(self.own_error)),
             },
         }
 

@@ -39,7 +39,7 @@ def _transcription(block: Mapping[str, Any]) -> str:
     used = block["time_optimum"]["transcription"]
     word = {"rk4": "Runge-Kutta", "euler": "forward Euler"}[used["integration"]]
     name = {"mrp": "MRP"}.get(used["attitude"], used["attitude"])
-    return f"{name}, {word}; flown, it ends {short(used['end_error_deg'], 3)} deg from its own end"
+    return f"{name}, {word}; by its own count {short(used['attitude_error_deg'], 3)} deg off"
 
 
 def _optimality(block: Mapping[str, Any]) -> str:
