@@ -38,12 +38,8 @@ def compare(
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
         prepare_jax(compile_cache)
         from jaxatt.progress import Reporter
-        from jaxatt.scenarios.model import TIME_KINDS
-        from jaxatt.studies.comparison import compare as run_controllers
-        from jaxatt.studies.time_comparison import compare_times
+        from jaxatt.studies.comparison import compare as run
 
-        timed = scenario.objective.kind in TIME_KINDS
-        run = compare_times if timed else run_controllers
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, report=report)
         if not quiet:
