@@ -40,6 +40,7 @@ from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import write_json
 from jaxatt.scenarios.build import build_task
+from jaxatt.scenarios.model import TIME_KINDS
 from jaxatt.simulation.chunks import chunk_for
 from jaxatt.solving import solve
 
@@ -179,16 +180,17 @@ def certify(
     out of reach.  report : called by the host with (stage, supports tried).
 
     The target is a constraint here (`terminal = "reach"`), whatever the scenario says.  Raises
-    `ScenarioError` where enumeration means nothing: for L1, and with path constraints.
+    `ScenarioError` where enumeration means nothing: for L1, where time is minimised, and with path
+    constraints.
     """
     if most < 1:
         raise ValueError(f"most = {most}: expected at least one support")
     if not isinstance(scenario, scenarios.Scenario):
         scenario = scenarios.load(scenario)
     kind = objective or scenario.objective.kind
-    if kind == "l1":
+    if kind in ("l1", *TIME_KINDS):
         raise scenarios.ScenarioError(
-            'objective.kind = "l1": its minimum is not a matter of supports; certify "l0" or '
+            f'objective.kind = "{kind}": its minimum is not a matter of supports; certify "l0" or '
             '"moving-l0"'
         )
     scenario = scenarios.replace(scenario, {"objective.kind": kind, "objective.terminal": "reach"})

@@ -10,6 +10,7 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.report.result import Leg, Result, StartsRecord
+from jaxatt.report.time_optimum import TimeOptimum, switch_times
 
 ACTIVE = (0, 20, 49)
 
@@ -134,6 +135,71 @@ def resting() -> Result:
         obstacle="the target attitude is missed",
         alternative=spacecraft_leg(
             scenario, objective={"rate": 0.0, "attitude": 0.0, "sparsity": 20.0}
+        ),
+    )
+    return assemble(scenario, leg)
+
+
+def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Result:
+    """Result of a turn in minimum time: bang-bang about the target's axis, rolled along it."""
+    scenario = scenarios.load(case) if isinstance(case, str) else case
+    horizon, target, vehicle = scenario.horizon, scenario.targets[0], scenario.vehicle
+    assert vehicle is not None
+    count, wheels = horizon.intervals, vehicle.wheels.count
+    share = np.linspace(0.0, 1.0, count + 1)[:, None]
+    turned = share * 2.0 * np.arccos(target.q_ob[0])
+    axis = target.q_ob[1:] / np.linalg.norm(target.q_ob[1:])
+    torque = np.full((count, vehicle.actuators), 0.0)
+    torque[: count // 2, 0], torque[count // 2, 0], torque[count // 2 + 1 :, 0] = 0.55, 0.11, -0.55
+    series = {
+        "q_ob": np.concatenate([np.cos(turned / 2), np.sin(turned / 2) * axis], axis=1),
+        "omega_ob": np.full((count + 1, 3), 0.01),
+        "omega_ib": np.full((count + 1, 3), 0.01),
+        "omega_bw": np.full((count + 1, wheels), 20.0),
+    }
+    if wheels:
+        series["torque_wheels"] = torque[:, :wheels]
+        series["torque_body"] = torque[:, :wheels] @ np.asarray(vehicle.wheels.axes).T
+    if vehicle.thrusters.count:
+        series["torque_thrusters"] = torque[:, wheels:]
+    limit = np.full(vehicle.actuators, 0.55)
+    record = starts_record()
+    cost = np.array([25.0, 24.5, 24.5, 82.0, math.nan, 24.5])
+    leg = Leg(
+        start_time=0.0,
+        step=step,
+        controls=torque,
+        weight=np.ones(count),
+        window=np.zeros(count, bool),
+        forbidden=np.zeros(count, bool),
+        series=series,
+        reference={"q_ob": target.q_ob, "omega_ob": target.omega_ob},
+        errors={"attitude": math.radians(0.1), "rate": 1e-9},
+        tolerances={"attitude": target.attitude_tolerance, "rate": target.rate_tolerance},
+        limit_violation=0.0,
+        margin_violation=0.0,
+        max_complementarity=0.0,
+        objective={"time": step * count, "effort": 0.5},
+        effort=12.0,
+        reached=True,
+        obstacle="",
+        active=np.abs(torque).max(axis=1) > 0.0,
+        starts=record,
+        time_optimum=TimeOptimum(
+            effort_weight=scenario.objective.effort_weight,
+            cost=step * count + 0.5,
+            actuators=tuple(f"wheel {i + 1}" for i in range(wheels))
+            + tuple(f"thruster {i + 1}" for i in range(vehicle.thrusters.count)),
+            switch_times=switch_times(torque, step * np.arange(count + 1.0), -limit, limit),
+            violation=1e-10,
+            stationarity=1e-8,
+            minima=3,
+            share=0.5,
+            own_error=1e-9,
+            start_costs=cost,
+            start_times=cost - 0.5,
+            attitude=scenario.transcription.attitude,
+            integration=scenario.transcription.integration,
         ),
     )
     return assemble(scenario, leg)

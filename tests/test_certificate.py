@@ -118,7 +118,11 @@ def test_a_limit_too_small_leaves_nothing_to_certify():
 
 @pytest.mark.parametrize(
     ("name", "objective", "words"),
-    [("hypso1-90-45-15", "l1", "l1"), ("van-der-pol", None, "path constraints")],
+    [
+        ("hypso1-90-45-15", "l1", "l1"),
+        ("mrp-k4", None, "time-effort.*not a matter of supports"),
+        ("van-der-pol", None, "path constraints"),
+    ],
 )
 def test_where_enumeration_means_nothing_it_says_so(name, objective, words):
     with pytest.raises(jaxatt.ScenarioError, match=words):

@@ -26,7 +26,7 @@ def compare(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run every controller, or every law of a flight, with the printed values beside."""
+    """Run every controller, law of a flight or transcription, with the printed values beside."""
     with clean_exit():
         kind = _kind(case)
         if kind == "imaging":

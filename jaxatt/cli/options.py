@@ -17,11 +17,13 @@ class Terminal(StrEnum):
 
 
 class Objective(StrEnum):
-    """What is made sparse."""
+    """What is made sparse, or short."""
 
     l0 = "l0"
     moving_l0 = "moving-l0"
     l1 = "l1"
+    time_effort = "time-effort"
+    minimum_time = "minimum-time"
 
 
 Case = Annotated[

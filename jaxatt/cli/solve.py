@@ -33,7 +33,7 @@ def solve(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Find the sparsest manoeuvre, fly it again, and write summary, archive and figures."""
+    """Find the sparsest or shortest manoeuvre, fly it again, write summary, archive and figures."""
     changes = {
         "solver.starts": starts,
         "solver.seed": seed,

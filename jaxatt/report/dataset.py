@@ -137,7 +137,7 @@ def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:
             "rate_error": (valves.errors["rate"], (), "rad/s", "rate error with valves"),
         }
         variables |= {f"quantised_{name}": _labelled(*rest) for name, rest in flown.items()}
-    return variables | _starts(leg)
+    return variables | _starts(leg) | _time_optimum(leg)
 
 
 def _starts(leg: Leg) -> dict[str, _Variable]:
@@ -163,6 +163,30 @@ def _starts(leg: Leg) -> dict[str, _Variable]:
     return variables | {"start_status": (along, starts.status, status), "distinct_minima": minima}
 
 
+def _time_optimum(leg: Leg) -> dict[str, _Variable]:
+    variables = {
+        "final_time": _labelled(leg.final_time, (), "s", "length of the leg"),
+        "step": _labelled(leg.step, (), "s", "length of an interval"),
+        "control_effort": _labelled(
+            leg.control_effort, (), "N2 m2 s" if "q_ob" in leg.series else "1", "squared effort"
+        ),
+    }
+    optimum = leg.time_optimum
+    if optimum is None:
+        return variables
+    return variables | {
+        "start_cost": _labelled(optimum.start_costs, ("start",), "s", "cost at the end"),
+        "start_final_time": _labelled(optimum.start_times, ("start",), "s", "final time"),
+        "cost": _labelled(optimum.cost, (), "s", "time and weighted effort"),
+        "kkt_violation": _labelled(optimum.violation, (), "1", "largest violation"),
+        "kkt_stationarity": _labelled(optimum.stationarity, (), "1", "Lagrangian's gradient"),
+        "share_at_best": _labelled(optimum.share, (), "1", "share of starts at the best minimum"),
+        "own_error": _labelled(
+            optimum.own_error, (), "rad", "attitude error where the transcription ends"
+        ),
+    }
+
+
 def _labelled(values: Any, dims: tuple[str, ...], units: str, words: str) -> _Variable:
     return dims, np.asarray(values), {"long_name": words} | ({"units": units} if units else {})
 
@@ -182,6 +206,12 @@ def _attributes(result: Result) -> Mapping[str, Any]:
         "device": result.device,
         "precision": result.precision,
         "versions": json.dumps(dict(result.versions)),
+        "switch_times_s": json.dumps(
+            [
+                None if leg.time_optimum is None else leg.time_optimum.to_dict()["switch_times_s"]
+                for leg in result.legs
+            ]
+        ),
         "notes": json.dumps(list(result.notes)),
         **{f"time_{name}_s": float(seconds) for name, seconds in result.time.items()},
     }

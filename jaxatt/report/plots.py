@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 
-from jaxatt.report import panels
+from jaxatt.report import panels, time_panels
 from jaxatt.report.figure import Picture, picture, save
 from jaxatt.report.files import filling
 from jaxatt.report.result import Result
@@ -22,12 +22,12 @@ _ATTITUDE: Mapping[str, Panel] = {
     "omega_ob": panels.relative_rate,
 }
 _WHEELS: Mapping[str, Panel] = {
-    "torque_body": lambda axes, result: panels.torque(axes, result, "body"),
-    "torque_wheels": lambda axes, result: panels.torque(axes, result, "wheels"),
+    "torque_body": lambda axes, result: _torques(axes, result, "body"),
+    "torque_wheels": lambda axes, result: _torques(axes, result, "wheels"),
     "wheel_speeds": panels.wheel_speeds,
 }
 _THRUSTERS: Mapping[str, Panel] = {
-    "torque_thrusters": lambda axes, result: panels.torque(axes, result, "thrusters"),
+    "torque_thrusters": lambda axes, result: _torques(axes, result, "thrusters"),
 }
 _TOY: Mapping[str, Panel] = {"control": panels.control, "state": panels.states}
 
@@ -101,6 +101,9 @@ def compare(results: Mapping[str, Result]) -> Picture:
 def headline(result: Result) -> str:
     """One line for the head of a figure."""
     kind = OBJECTIVES[result.scenario.objective.kind]
+    if result.legs[0].time_optimum is not None:
+        found = ", ".join(f"{leg.final_time:.4f} s" for leg in result.legs)
+        return f"{result.scenario.title}\n{kind}: {found}, {result.status}"
     count = result.active_intervals
     return f"{result.scenario.title}\n{kind}: {plural(count, 'active interval')}, {result.status}"
 
@@ -110,6 +113,8 @@ def _panels(result: Result) -> Mapping[str, Panel]:
     if vehicle is None:
         return _TOY
     chosen = dict(_ATTITUDE)
+    if result.legs[0].time_optimum is not None:
+        chosen = {"mrp": time_panels.modified_rodrigues, **chosen}
     if vehicle.thrusters.count:
         chosen = {"quaternion": panels.quaternion_components, **chosen, **_THRUSTERS}
         if any(leg.quantised for leg in result.legs):
@@ -117,6 +122,12 @@ def _panels(result: Result) -> Mapping[str, Panel]:
     if vehicle.wheels.count:
         chosen |= _WHEELS
     return chosen
+
+
+def _torques(axes: Axes, result: Result, kind: str) -> None:
+    """All torques of a kind in one panel, with their switches."""
+    panels.torque(axes, result, kind)
+    time_panels.mark_switches(axes, result, kind)
 
 
 def _torque(result: Result, kind: str) -> Picture:
@@ -127,6 +138,7 @@ def _torque(result: Result, kind: str) -> Picture:
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axes, (values, name, limit)) in enumerate(zip(grid, rows, strict=True)):
         panels.pulses(axes, line, values, index, name, limit)
+        time_panels.mark_switches(axes, result, kind, only=index)
         if kind == "thrusters":
             axes.set_ylim(bottom=0.0)
         panels.shade(axes, result, legend=index == 0)
@@ -139,6 +151,9 @@ def _torque(result: Result, kind: str) -> Picture:
 def _starts(row: list[Axes], result: Result) -> None:
     toy = result.scenario.vehicle is None
     for index, (axes, leg) in enumerate(zip(row, result.legs, strict=True)):
-        starts_panel(axes, leg, toy)
+        if leg.time_optimum is None:
+            starts_panel(axes, leg, toy)
+        else:
+            time_panels.costs_panel(axes, leg)
         name = f"leg {index + 1}: " if len(result.legs) > 1 else ""
         axes.set_title(f"{name}{len(leg.starts.status)} starts", fontsize="medium")

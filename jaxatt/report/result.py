@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from jaxatt.report.time_optimum import TimeOptimum, control_effort
 from jaxatt.report.wording import indices_text, plural
 from jaxatt.scenarios.model import Scenario
 
@@ -96,6 +97,7 @@ class Leg:
     alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
     quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
         other way; empty without thrusters, or where it asks for none.
+    time_optimum : where time was minimised, what is particular to that; None otherwise.
     """
 
     start_time: float
@@ -119,6 +121,19 @@ class Leg:
     starts: StartsRecord
     alternative: Leg | None = None
     quantised: tuple[Valves, ...] = ()
+    time_optimum: TimeOptimum | None = None
+
+    @property
+    def final_time(self) -> float:
+        """Length of the leg [s], without what coasts after it."""
+        return self.step * len(self.active)
+
+    @property
+    def control_effort(self) -> float:
+        """Integral of the summed squared torques of all actuators [(N m)^2 s], or a toy's u^2."""
+        names = ("torque_wheels", "torque_thrusters", "control")
+        flown = [self.series[name] for name in names if name in self.series]
+        return sum(control_effort(torque, self.step) for torque in flown)
 
     @property
     def active_intervals(self) -> int:
@@ -142,6 +157,8 @@ class Leg:
 
     def __repr__(self) -> str:
         reached = "reached" if self.reached else "not reached"
+        if self.time_optimum is not None:
+            return f"Leg({reached}, {self.final_time:.6g} s)"
         count = plural(self.active_intervals, "active interval")
         return f"Leg({reached}, {count}: {indices_text(np.flatnonzero(self.active).tolist())})"
 
@@ -206,6 +223,9 @@ class Result:
         return save(self, folder)
 
     def __repr__(self) -> str:
+        if any(leg.time_optimum is not None for leg in self.legs):
+            total = sum(leg.final_time for leg in self.legs)
+            return f"Result({self.scenario.name}: {self.status}, {total:.6g} s)"
         count = plural(self.active_intervals, "active interval")
         found = (indices_text(np.flatnonzero(leg.active).tolist()) for leg in self.legs)
         return f"Result({self.scenario.name}: {self.status}, {count}: {' | '.join(found)})"

@@ -2,8 +2,8 @@
 
 Where a case has several legs, the top level adds up costs, counts, efforts and starts, shifts the
 interval indices of leg k (counted from zero) by k N, and takes errors and violations from the
-worst leg.  A name that does not apply holds null.  For the toy systems the names with N m hold
-values in the unit of their control.
+worst leg; `step_s` is the mean.  A name that does not apply holds null.  For the toy systems the
+names with N m hold values in the unit of their control.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ _SUMS = (
     "weighted_active_intervals",
     "active_outside_windows",
     "l1_effort_Nms",
+    "final_time_s",
+    "control_effort",
 )
 _WORST = (*_ERRORS, "max_torque_violation_Nm", "max_complementarity_Nm")
 
@@ -106,6 +108,7 @@ def _leg(leg: Leg) -> dict[str, Any]:
         name: leg.errors[key] * factor if key in leg.errors else None
         for name, (key, factor) in _ERRORS.items()
     }
+    optimum = leg.time_optimum
     return {
         "status": "reached" if leg.reached else "not reached",
         "objective": {"total": leg.total_cost, **leg.objective},
@@ -118,6 +121,12 @@ def _leg(leg: Leg) -> dict[str, Any]:
         "max_torque_violation_Nm": leg.limit_violation,
         "max_complementarity_Nm": leg.max_complementarity,
         "l1_effort_Nms": leg.effort,
+        "final_time_s": leg.final_time,
+        "step_s": leg.step,
+        "control_effort": leg.control_effort,
+        "cost": None if optimum is None else optimum.cost,
+        "kkt": None if optimum is None else optimum.kkt,
+        "time_optimum": None if optimum is None else optimum.to_dict(),
         "quantised": valves_summary(leg.quantised[0]) if leg.quantised else None,
         "obstacle": leg.obstacle,
         "starts": starts_summary(leg.starts),
@@ -178,6 +187,8 @@ def _together(legs: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, An
     ]
     valves = [leg["quantised"] for leg in legs]
     together["quantised"] = None if None in valves else _valves_together(valves)
+    together["step_s"] = together["final_time_s"] / (intervals * len(legs))
+    together |= dict.fromkeys(("cost", "kkt", "time_optimum"))
     count = together["active_intervals"]
     reached = all(leg["status"] == "reached" for leg in legs)
     together["status"] = "reached" if reached else "not reached"

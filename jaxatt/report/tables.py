@@ -13,6 +13,7 @@ from rich.text import Text
 
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import do_nothing_cost, summary
+from jaxatt.report.time_rows import time_rows
 from jaxatt.report.wording import OBJECTIVES, indices_text, short
 
 _Block = Mapping[str, Any]
@@ -27,7 +28,10 @@ def result_table(result: Result) -> Table:
         blocks, names = [*blocks, numbers], [*names, "together" if names else ""]
     if numbers["alternative"] is not None:
         blocks, names = [numbers, numbers["alternative"]], ["lowest J", "best that reaches"]
-    kind = f"{OBJECTIVES[result.scenario.objective.kind]}, {result.scenario.objective.terminal}"
+    objective = result.scenario.objective
+    kind = f"{OBJECTIVES[objective.kind]}, {objective.terminal}"
+    if objective.kind == "time-effort":
+        kind = f"{OBJECTIVES[objective.kind]}, rho = {objective.effort_weight:g}"
     table = Table(
         title=Text(f"{result.scenario.title} ({kind})", style="bold"),
         caption=_caption(result, numbers),
@@ -203,8 +207,14 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
     rows: list[tuple[str, Callable[[_Block], str | Text]]] = [
         ("status", _status),
         ("obstacle", lambda b: str(b["obstacle"])),
-        ("active intervals", _active),
-        ("their indices", lambda b: indices_text(b["active_interval_indices"])),
+        *(
+            (
+                ("active intervals", _active),
+                ("their indices", lambda b: indices_text(b["active_interval_indices"])),
+            )
+            if first.time_optimum is None
+            else time_rows(first.time_optimum.effort_weight > 0.0)
+        ),
     ]
     if result.scenario.windows:
         rows += [
@@ -222,10 +232,13 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
             lambda b: short(b["max_torque_violation_Nm"]),
         ),
         (f"L1 effort{'' if toy else ' [N m s]'}", lambda b: short(b["l1_effort_Nms"], 7)),
-        ("objective J", lambda b: short(b["objective"]["total"], 6)),
-        *((f"  {part}", _part(part)) for part in first.objective),
-        ("starts", _starts),
     ]
+    if first.time_optimum is None:
+        rows += [
+            ("objective J", lambda b: short(b["objective"]["total"], 6)),
+            *((f"  {part}", _part(part)) for part in first.objective),
+        ]
+    rows.append(("starts", _starts))
     return rows
 
 

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-OBJECTIVES = {"l0": "L0", "moving-l0": "Moving L0", "l1": "L1"}
+OBJECTIVES = {
+    "l0": "L0",
+    "moving-l0": "Moving L0",
+    "l1": "L1",
+    "time-effort": "Time and effort",
+    "minimum-time": "Minimum time",
+}
 
 _SHOWN_RUNS = 12
 

@@ -19,6 +19,7 @@ from jaxatt.scenarios.model import (
     Scenario,
     SolverSettings,
     Target,
+    Transcription,
     Waypoint,
     Window,
 )
@@ -39,6 +40,7 @@ __all__ = [
     "ScenarioError",
     "SolverSettings",
     "Target",
+    "Transcription",
     "Waypoint",
     "Window",
     "flight_from_mapping",

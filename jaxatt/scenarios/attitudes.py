@@ -1,13 +1,27 @@
-"""Attitudes in a scenario: three angles or a quaternion."""
+"""Attitudes in a scenario: three angles, a quaternion, MRP, or an axis with an angle."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from jaxatt.scenarios.fields import Table
+from jaxatt.scenarios.schema import ATTITUDE_KEYS
 from jaxatt.spacecraft.checks import Float64
 
 _UNIT_TOLERANCE = 1e-9
+# Rounded axes such as 0.57735 are meant as unit vectors: only a larger deviation earns a note.
+_AXIS_TOLERANCE = 1e-5
+# Beyond it an MRP stands for less than 1e-3 deg short of a whole turn.
+_LARGEST_MRP = 1e5
+
+_TURNED = ("axis", "angle_deg", "angle_rad")
+_FORMS = (("attitude_deg",), ("attitude_quaternion",), ("attitude_mrp",), _TURNED)
+_WHOLE_TURN = (
+    "stands for a turn of 360 deg, where sigma = axis tan(angle/4) is infinite",
+    "[0.0, 0.0, 0.0] is the same attitude",
+)
 
 
 def quaternion_from_angles(angles: Float64) -> Float64:
@@ -27,17 +41,38 @@ def quaternion_from_angles(angles: Float64) -> Float64:
     )
 
 
+def attitude_given(table: Table) -> bool:
+    """Return whether a table states an attitude in any form."""
+    return any(key in table for key in ATTITUDE_KEYS)
+
+
+def replaced_by(key: str) -> tuple[str, ...]:
+    """Return the keys that a new value under `key` makes void: all other forms of an attitude."""
+    if key not in ATTITUDE_KEYS:
+        return ()
+    same = next(form for form in _FORMS if key in form)
+    kept = ("axis",) if key.startswith("angle_") else same
+    return tuple(other for other in ATTITUDE_KEYS if other not in kept)
+
+
 def read_attitude(table: Table, notes: list[str]) -> Float64:
     """Return the unit quaternion q_ob of a table, (4,); a note says when it was normalised."""
-    if "attitude_deg" in table and "attitude_quaternion" in table:
-        table.fail(
-            "attitude_quaternion",
-            "given beside attitude_deg",
-            "keep one of the two and drop the other",
-        )
-    if "attitude_quaternion" not in table:
-        table.require("attitude_deg", "[0.0, 0.0, 0.0]")
-        return quaternion_from_angles(np.deg2rad(table.vector("attitude_deg", 3)))
+    given = [form for form in _FORMS if any(key in table for key in form)]
+    if len(given) > 1:
+        first, second = (next(key for key in form if key in table) for form in given[:2])
+        table.fail(second, f"given beside {first}", "keep one of the two and drop the other")
+    form = given[0] if given else _FORMS[0]
+    if form is _TURNED:
+        return _from_axis(table, notes)
+    if "attitude_mrp" in form:
+        return _from_mrp(table)
+    if "attitude_quaternion" in form:
+        return _from_quaternion(table, notes)
+    table.require("attitude_deg", "[0.0, 0.0, 0.0]")
+    return quaternion_from_angles(np.deg2rad(table.vector("attitude_deg", 3)))
+
+
+def _from_quaternion(table: Table, notes: list[str]) -> Float64:
     quaternion = table.vector("attitude_quaternion", 4)
     # Scaling first keeps the norm of huge or tiny entries from overflowing.
     largest = float(np.abs(quaternion).max())
@@ -54,3 +89,37 @@ def read_attitude(table: Table, notes: list[str]) -> Float64:
             f"{table.label} attitude_quaternion was normalised; its norm was {norm * largest:.6g}"
         )
     return scaled / norm
+
+
+def _from_mrp(table: Table) -> Float64:
+    entries = table.data["attitude_mrp"]
+    numbers = entries if isinstance(entries, list) else []
+    if any(isinstance(entry, float) and math.isinf(entry) for entry in numbers):
+        table.fail("attitude_mrp", *_WHOLE_TURN)
+    sigma = table.vector("attitude_mrp", 3)
+    if np.abs(sigma).max() > _LARGEST_MRP:
+        table.fail("attitude_mrp", *_WHOLE_TURN)
+    squared = float(sigma @ sigma)
+    return np.concatenate([[1.0 - squared], 2.0 * sigma]) / (1.0 + squared)
+
+
+def _from_axis(table: Table, notes: list[str]) -> Float64:
+    axis = table.vector("axis", 3)
+    if "angle_deg" in table and "angle_rad" in table:
+        table.fail("angle_rad", "given beside angle_deg", "keep one of the two and drop the other")
+    key = "angle_rad" if "angle_rad" in table else "angle_deg"
+    whole, unit = (2.0 * math.pi, "rad") if key == "angle_rad" else (360.0, "deg")
+    angle = table.number(key, example="90.0")
+    if abs(abs(angle) - whole) < 1e-9 * whole:
+        table.fail(key, *_WHOLE_TURN[:1], "an angle of 0 is the same attitude")
+    if abs(angle) > whole:
+        table.fail(key, "more than a whole turn", f"give an angle within {whole:.6g} {unit}")
+    largest = float(np.abs(axis).max())
+    if largest < 1e-12:
+        table.fail("axis", "is zero, which is no direction", "give the axis of the turn")
+    scaled = axis / largest
+    norm = float(np.linalg.norm(scaled))
+    if abs(norm * largest - 1.0) > _AXIS_TOLERANCE:
+        notes.append(f"{table.label} axis was normalised; its length was {norm * largest:.6g}")
+    half = math.pi * angle / whole
+    return np.concatenate([[math.cos(half)], math.sin(half) * scaled / norm])

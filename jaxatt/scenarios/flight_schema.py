@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES
-
-_ATTITUDE = ("attitude_deg", "attitude_quaternion")
+from jaxatt.scenarios.schema import ATTITUDE_KEYS, SPACECRAFT_TABLES
 
 FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": SPACECRAFT_TABLES["vehicle"],
@@ -22,8 +20,8 @@ FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
         "residual_dipole_Am2",
         "eddy_coefficient",
     ),
-    "initial": (*_ATTITUDE, "rate_rad_s", "wheel_speed_rad_s"),
-    "reference": (*_ATTITUDE, "rate_rad_s", "from_s", "attitude_held", "manoeuvre"),
+    "initial": (*ATTITUDE_KEYS, "rate_rad_s", "wheel_speed_rad_s"),
+    "reference": (*ATTITUDE_KEYS, "rate_rad_s", "from_s", "attitude_held", "manoeuvre"),
     "simulation": ("duration_s", "sampling_s", "step_s", "hold", "records", "tumbling_rad_s"),
     "settling": ("signal", "band_deg", "band_rad_s", "since_s"),
     "noise": ("rate_rad_s", "wheel_speed_rad_s"),

@@ -16,7 +16,7 @@ from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
-from jaxatt.scenarios.attitudes import read_attitude
+from jaxatt.scenarios.attitudes import attitude_given, read_attitude
 from jaxatt.scenarios.fields import Table
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
@@ -99,7 +99,7 @@ def read_reference(data: Any, origin: str, initial: Initial, notes: list[str]) -
     """What the laws follow."""
     table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
     manoeuvre = table.text("manoeuvre", " ").strip()
-    given = "attitude_deg" in table or "attitude_quaternion" in table
+    given = attitude_given(table)
     if manoeuvre and (given or "rate_rad_s" in table):
         table.fail("manoeuvre", "given beside an attitude or rate", "keep one of them")
     return Asked(

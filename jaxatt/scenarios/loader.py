@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jaxatt.scenarios import manoeuvre, settings
+from jaxatt.scenarios import manoeuvre, settings, time_optimal
+from jaxatt.scenarios.attitudes import replaced_by
 from jaxatt.scenarios.documents import read_file
 from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.model import SPACECRAFT, TOY_SYSTEMS, Scenario
+from jaxatt.scenarios.free_time import check_free_time
+from jaxatt.scenarios.model import SPACECRAFT, TIME_KINDS, TOY_SYSTEMS, Scenario
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
 from jaxatt.scenarios.valves import check_thrusters
 from jaxatt.scenarios.vehicles import read_vehicle
@@ -65,22 +67,27 @@ def from_mapping(
         top.fail("name", "must serve as a file name", "use letters, digits, '-', '_' and '.'")
     notes: list[str] = []
     vehicle = None if toy else read_vehicle(plain["vehicle"], origin, folder, notes)
-    horizon = settings.read_horizon(plain["horizon"], origin)
+    objective = settings.read_objective(plain.get("objective", {}), origin, toy)
+    optimal = objective.kind in TIME_KINDS
+    if optimal:
+        time_optimal.check_time_optimal(plain, origin, notes)
+    horizon = settings.read_horizon(plain["horizon"], origin, optimal)
     targets = manoeuvre.read_targets(plain, origin, toy, notes)
     waypoint = None
     if "waypoint" in plain:
         if len(targets) > 1 or "legs" in plain:
             raise ScenarioError(f"{origin}: [waypoint] and [[legs]] are both given; keep one")
         waypoint = manoeuvre.read_waypoint(plain["waypoint"], origin, horizon, notes)
-    objective = settings.read_objective(plain.get("objective", {}), origin, toy)
+    check_free_time(plain, origin, horizon, objective)
     windows = read_windows(plain.get("windows", []), origin, horizon)
     if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
         notes.append("moving-l0 without a cheap window is the same as l0; add [[windows]]")
     pushed = vehicle is not None and vehicle.thrusters.count > 0
-    if vehicle is not None and "orbit" not in plain and not pushed:
+    if vehicle is not None and "orbit" not in plain and not (pushed or optimal):
         raise ScenarioError(
             f"{origin}: [orbit] is missing; `jaxatt scenarios show NAME` prints a complete file to "
-            "start from (only vehicles with thrusters may do without, in the inertial frame)"
+            "start from (only vehicles with thrusters and turns in minimum time may do without, in "
+            "the inertial frame)"
         )
     orbit = settings.read_orbit(plain["orbit"], origin) if "orbit" in plain else None
     disturbances = settings.read_disturbances(plain.get("disturbances", {}), origin)
@@ -89,9 +96,13 @@ def from_mapping(
             f"{origin}: [disturbances] gravity_gradient = true: there is no [orbit]; add one or "
             "switch the gravity gradient off"
         )
-    control = settings.read_control(plain.get("control", {}), origin, vehicle)
+    read_control = time_optimal.read_separate_torques if optimal else settings.read_control
+    control = read_control(plain.get("control", {}), origin, vehicle)
     if vehicle is not None:
         check_thrusters(plain, origin, vehicle, horizon, objective)
+    initial = manoeuvre.read_initial(plain["initial"], origin, vehicle, notes)
+    if optimal and vehicle is not None:
+        time_optimal.check_storable(origin, vehicle, initial, targets[0])
     printed = plain.get("printed", {})
     if not isinstance(printed, dict):
         top.fail("printed", "is not a table", "write [printed] and its keys below")
@@ -102,7 +113,7 @@ def from_mapping(
         system=system,
         vehicle=vehicle,
         orbit=orbit,
-        initial=manoeuvre.read_initial(plain["initial"], origin, vehicle, notes),
+        initial=initial,
         targets=targets,
         waypoint=waypoint,
         horizon=horizon,
@@ -116,6 +127,9 @@ def from_mapping(
         document=plain,
         origin=origin,
         folder=folder,
+        transcription=time_optimal.read_transcription(
+            plain.get("transcription", {}), origin, objective
+        ),
     )
 
 
@@ -154,9 +168,8 @@ def assign(document: dict[str, Any], path: str, value: Any) -> None:
     place.pop(key, None)
     if value is None:
         return
-    if key in ("attitude_deg", "attitude_quaternion"):
-        place.pop("attitude_deg", None)
-        place.pop("attitude_quaternion", None)
+    for other in replaced_by(key):
+        place.pop(other, None)
     place[key] = value
 
 

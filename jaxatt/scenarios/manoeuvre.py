@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxatt.scenarios.attitudes import read_attitude
 from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.free_time import refuse_seconds
 from jaxatt.scenarios.model import Horizon, Initial, Target, Waypoint
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
 from jaxatt.scenarios.windows import nearest_whole
@@ -85,6 +86,28 @@ def _target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
 def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str]) -> Waypoint:
     """Return the checked waypoint; its time moves to the nearest node, with a note if it moved."""
     table = Table(data, origin, "[waypoint]", SPACECRAFT_TABLES["waypoint"])
+    node = _node_by_number(table, horizon) if "node" in table else _node(table, horizon, notes)
+    tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)
+    attitude = read_attitude(table, notes)
+    return Waypoint(attitude, node * horizon.step, node, math.radians(tolerance))
+
+
+def _node_by_number(table: Table, horizon: Horizon) -> int:
+    if "time_s" in table:
+        table.fail("time_s", "given beside node", "keep one of the two and drop the other")
+    node = table.integer("node")
+    if node >= horizon.intervals:
+        table.fail(
+            "node",
+            f"outside the horizon of {horizon.intervals} intervals",
+            f"allowed: 1 to {horizon.intervals - 1} (node k follows k intervals)",
+        )
+    return node
+
+
+def _node(table: Table, horizon: Horizon, notes: list[str]) -> int:
+    if horizon.free:
+        refuse_seconds(table, "time_s", "node = ...")
     time = table.number("time_s", example=f"{horizon.duration / 2:g}")
     if not 0.0 < time < horizon.duration:
         table.fail(
@@ -106,6 +129,4 @@ def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str]) ->
         notes.append(
             f"[waypoint] time_s = {time:g} lies between nodes: moved to node {node}, {on_node:g} s"
         )
-    tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)
-    attitude = read_attitude(table, notes)
-    return Waypoint(attitude, on_node, node, math.radians(tolerance))
+    return node

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,8 @@ from jaxatt.spacecraft.checks import Float64
 
 SPACECRAFT = "spacecraft"
 TOY_SYSTEMS = ("double-integrator", "van-der-pol")
+SPARSE_KINDS = ("l0", "moving-l0", "l1")
+TIME_KINDS = ("time-effort", "minimum-time")
 
 
 @dataclass(frozen=True)
@@ -76,12 +79,18 @@ class Horizon:
     """Duration [s], control intervals, coasting intervals after the end, RK4 steps an interval.
 
     `substeps` is None where the number is chosen automatically.
+    free : whether the final time of each leg is found, from `shortest` to `longest` [s]; the number
+    of intervals stays and their length changes.  `duration` is then the first one to be tried, or
+    `longest` where the objective is one of `TIME_KINDS`.
     """
 
     duration: float
     intervals: int
     coast_intervals: int
     substeps: int | None
+    free: bool = False
+    shortest: float = 0.0
+    longest: float = math.inf
 
     @property
     def step(self) -> float:
@@ -120,7 +129,7 @@ class Objective:
 
     Attributes
     ----------
-    kind : "l0", "moving-l0" or "l1"
+    kind : one of `SPARSE_KINDS` or `TIME_KINDS`
     terminal : "reach" or "penalty"
         Terminal constraints with tolerances, or the printed cost.
     design : 1, 2 or 3
@@ -131,6 +140,10 @@ class Objective:
         k4 of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters.
     on_off_form : "active" or "printed"
         Whether the term counts in active intervals (1 - xi) or, as printed, in idle ones (xi).
+    time_weight : float [1/s]
+        Cost of a second of free final time, in active intervals.
+    effort_weight : float [1/(N m)^2]
+        rho, cost in seconds of a unit of the integral of all squared torques; of "time-effort".
     """
 
     kind: str
@@ -143,6 +156,19 @@ class Objective:
     waypoint_weight: float
     on_off_weight: float = 0.0
     on_off_form: str = "active"
+    time_weight: float = 0.0
+    effort_weight: float = 0.0
+
+
+@dataclass(frozen=True)
+class Transcription:
+    """How a turn of `TIME_KINDS` becomes a finite programme.
+
+    attitude : "quaternion" or "mrp", its coordinates.  integration : "rk4" or "euler".
+    """
+
+    attitude: str = "quaternion"
+    integration: str = "rk4"
 
 
 @dataclass(frozen=True)
@@ -183,6 +209,8 @@ class Scenario:
         The values that the source prints, as in the file.
     notes : tuple of str
         What was changed while reading, e.g. a quaternion that was normalised.
+    transcription : Transcription
+        Of `TIME_KINDS` only.
     document, origin, folder
         The TOML document, where it came from and its folder, so that `replace` can read it again.
     """
@@ -207,3 +235,4 @@ class Scenario:
     document: Mapping[str, Any] = field(repr=False)
     origin: str = field(repr=False)
     folder: Path | None = field(repr=False)
+    transcription: Transcription = Transcription()

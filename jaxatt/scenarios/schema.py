@@ -5,9 +5,26 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping
 
-_ATTITUDE = ("attitude_deg", "attitude_quaternion")
-_TARGET = (*_ATTITUDE, "rate_rad_s", "attitude_tolerance_deg", "rate_tolerance_rad_s")
-_HORIZON = ("horizon_s", "intervals", "coast_intervals", "substeps")
+ATTITUDE_KEYS = (
+    "attitude_deg",
+    "attitude_quaternion",
+    "attitude_mrp",
+    "axis",
+    "angle_deg",
+    "angle_rad",
+)
+"""Three angles, a quaternion, modified Rodrigues parameters, or an axis with an angle."""
+
+_TARGET = (*ATTITUDE_KEYS, "rate_rad_s", "attitude_tolerance_deg", "rate_tolerance_rad_s")
+_HORIZON = (
+    "horizon_s",
+    "intervals",
+    "coast_intervals",
+    "substeps",
+    "final_time",
+    "shortest_s",
+    "longest_s",
+)
 _WINDOW = ("first_interval", "last_interval", "start_s", "end_s", "weight", "forbidden")
 _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
@@ -41,10 +58,10 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "true_anomaly_deg",
         "gravitational_parameter_m3_s2",
     ),
-    "initial": (*_ATTITUDE, "rate_rad_s", "wheel_speed_rad_s"),
+    "initial": (*ATTITUDE_KEYS, "rate_rad_s", "wheel_speed_rad_s"),
     "target": _TARGET,
     "legs": _TARGET,
-    "waypoint": (*_ATTITUDE, "time_s", "tolerance_deg"),
+    "waypoint": (*ATTITUDE_KEYS, "time_s", "node", "tolerance_deg"),
     "horizon": _HORIZON,
     "disturbances": (
         "gravity_gradient",
@@ -63,7 +80,10 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "waypoint_weight",
         "on_off_weight",
         "on_off_form",
+        "time_weight_1_s",
+        "effort_weight",
     ),
+    "transcription": ("attitude", "integration"),
     "windows": _WINDOW,
     "solver": _SOLVER,
     "printed": (),
@@ -74,7 +94,7 @@ TOY_TABLES: Mapping[str, tuple[str, ...]] = {
     "target": ("state", "tolerance"),
     "horizon": _HORIZON,
     "control": ("limit",),
-    "objective": ("kind", "terminal", "epsilon"),
+    "objective": ("kind", "terminal", "epsilon", "time_weight_1_s"),
     "windows": _WINDOW,
     "solver": _SOLVER,
     "printed": (),
@@ -86,11 +106,13 @@ UNITS = {
     "_rad_s": "rad/s",
     "_kgm2": "kg m^2",
     "_deg": "degrees",
+    "_rad": "radians",
     "_km": "kilometres",
     "_Am2": "A m^2",
     "_Nms": "newton metre seconds",
     "_Nm": "newton metres",
     "_s2": "s^2",
+    "_1_s": "1/s",
     "_s": "seconds",
 }
 
@@ -113,12 +135,20 @@ def nearest(name: str, candidates: Iterable[str]) -> str | None:
     """
     names = {candidate.lower(): candidate for candidate in candidates}
     low = name.lower()
-    for candidate in names.values():
-        for suffix in UNITS:
-            if candidate.endswith(suffix) and low == candidate[: -len(suffix)].lower():
-                return candidate
+    meant = _with_unit(low, names.values())
+    if meant is not None:
+        return meant
     close = difflib.get_close_matches(low, names, n=1, cutoff=0.6)
     return names[close[0]] if close else None
+
+
+def _with_unit(name: str, candidates: Iterable[str]) -> str | None:
+    """Return the candidate that is `name`, in lower case, with a unit added, or None."""
+    for candidate in candidates:
+        for suffix in UNITS:
+            if candidate.endswith(suffix) and name == candidate[: -len(suffix)].lower():
+                return candidate
+    return None
 
 
 def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
@@ -130,7 +160,7 @@ def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
         **SPACECRAFT_TABLES,
     }
     for other, keys in elsewhere.items():
-        if other != table and key in keys:
+        if other != table and key in keys and _with_unit(key.lower(), allowed) is None:
             return f"did you mean to put it into [{other}]?"
     near = nearest(key, allowed)
     if near is not None:

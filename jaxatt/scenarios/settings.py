@@ -6,7 +6,10 @@ import math
 from typing import Any
 
 from jaxatt.scenarios.fields import Table
+from jaxatt.scenarios.free_time import read_final_time
 from jaxatt.scenarios.model import (
+    SPARSE_KINDS,
+    TIME_KINDS,
     Control,
     Disturbances,
     Horizon,
@@ -15,6 +18,7 @@ from jaxatt.scenarios.model import (
     SolverSettings,
 )
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
+from jaxatt.scenarios.time_optimal import read_effort_weight, read_open_horizon
 from jaxatt.spacecraft import Spacecraft
 
 QUANTISATIONS = ("pulse-width", "interval", "none")
@@ -63,14 +67,28 @@ def read_orbit(data: Any, origin: str) -> Orbit:
     )
 
 
-def read_horizon(data: Any, origin: str) -> Horizon:
-    """Return the checked horizon."""
+def read_horizon(data: Any, origin: str, optimal: bool = False) -> Horizon:
+    """Return the checked horizon; optimal : whether the objective finds the final time."""
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
+    if optimal:
+        return read_open_horizon(table)
+    free, shortest, longest = read_final_time(table)
+    default = longest if math.isfinite(longest) else None
+    duration = table.number("horizon_s", default, above=0.0, example="70.0")
+    if not shortest <= duration <= longest:
+        table.fail(
+            "horizon_s",
+            f"outside the final times allowed, {shortest:g} to {longest:g} seconds",
+            "drop it, or change shortest_s or longest_s",
+        )
     return Horizon(
-        duration=table.number("horizon_s", above=0.0, example="70.0"),
+        duration=duration,
         intervals=table.integer("intervals"),
         coast_intervals=table.integer("coast_intervals", 20, at_least=0),
         substeps=table.integer("substeps") if "substeps" in table else None,
+        free=free,
+        shortest=shortest,
+        longest=longest,
     )
 
 
@@ -106,7 +124,7 @@ def read_objective(data: Any, origin: str, toy: bool) -> Objective:
     """Return the checked objective; the defaults are those of Schaanning (2021), table 5.1."""
     tables = TOY_TABLES if toy else SPACECRAFT_TABLES
     table = Table(data, origin, "[objective]", tables["objective"])
-    kind = table.choice("kind", ("l0", "moving-l0", "l1"), "l0")
+    kind = table.choice("kind", SPARSE_KINDS if toy else (*SPARSE_KINDS, *TIME_KINDS), "l0")
     terminal = table.choice("terminal", ("reach", "penalty"), "reach")
     if toy and terminal == "penalty":
         table.fail("terminal", "the toy systems have no printed penalty", 'use terminal = "reach"')
@@ -130,6 +148,8 @@ def read_objective(data: Any, origin: str, toy: bool) -> Objective:
         on_off_form="active"
         if toy
         else table.choice("on_off_form", ("active", "printed"), "active"),
+        time_weight=table.number("time_weight_1_s", 0.0, at_least=0.0),
+        effort_weight=0.0 if toy else read_effort_weight(table, kind),
     )
 
 

@@ -34,10 +34,11 @@ def check_thrusters(
             "s at the torque limit",
         ),
     ):
-        if (shortest > horizon.step * (1.0 + 1e-12)).any():
+        step = (horizon.longest if horizon.free else horizon.duration) / horizon.intervals
+        if (shortest > step * (1.0 + 1e-12)).any():
             raise ScenarioError(
                 f"{origin}: [vehicle.thrusters] {key}: {shortest.max():g} {unit} is longer than a "
-                f"control interval of {horizon.step:g} s; shorten it, or use fewer intervals"
+                f"control interval of {step:g} s; shorten it, or use fewer intervals"
             )
     if "waypoint" in document:
         raise ScenarioError(

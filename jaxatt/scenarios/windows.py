@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.free_time import refuse_seconds
 from jaxatt.scenarios.model import Horizon, Scenario, Window
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
@@ -54,6 +55,9 @@ def _range(table: Table, horizon: Horizon) -> tuple[int, int]:
         key = "start_s" if "start_s" in table else "end_s"
         table.fail(key, "given beside interval numbers", "give intervals or times, not both")
     if by_time:
+        if horizon.free:
+            key = "start_s" if "start_s" in table else "end_s"
+            refuse_seconds(table, key, "first_interval = ... and last_interval = ...")
         return _range_by_time(table, horizon)
     first = table.integer("first_interval", at_least=0)
     last = table.integer("last_interval", at_least=0)

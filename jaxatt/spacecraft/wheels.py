@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any
 
@@ -87,6 +88,35 @@ def momentum(wheels: ReactionWheels, omega_bw: Any) -> jax.Array:
     """
     speeds = jnp.asarray(omega_bw)
     return jnp.einsum("...ij,...j,...j->...i", wheels.axes, wheels.inertia, speeds)
+
+
+def storage_share(wheels: ReactionWheels, stored: Any) -> float:
+    """Return which share of what the speed limits allow a momentum of the wheels takes up.
+
+    Parameters
+    ----------
+    wheels : ReactionWheels
+    stored : (3,) array_like [N m s]
+        Momentum A Jw omega_bw in body components.
+
+    Returns
+    -------
+    float
+        Greater than 1 where no speeds within the limits hold it. The momenta that can be held
+        form a zonotope; its faces are parallel to two wheel axes each.
+    """
+    axes = np.asarray(wheels.axes)
+    most = np.asarray(wheels.inertia) * np.asarray(wheels.speed_limit)
+    share = 0.0
+    for first, second in itertools.combinations(axes.T, 2):
+        normal = np.cross(first, second)
+        across = np.abs(normal @ axes)
+        if across.max() < _RANK_TOLERANCE:
+            continue
+        turned = across > _RANK_TOLERANCE * across.max()
+        reach = float(across[turned] @ most[turned])
+        share = max(share, abs(float(normal @ np.asarray(stored))) / reach)
+    return share
 
 
 def reaction_wheels(

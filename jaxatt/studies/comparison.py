@@ -23,9 +23,11 @@ from jaxatt.report.result import Result, Valves
 from jaxatt.report.summary import summary, write_json
 from jaxatt.report.tables import comparison_table
 from jaxatt.report.wording import OBJECTIVES
+from jaxatt.scenarios.model import TIME_KINDS
 from jaxatt.solving import solve
 from jaxatt.studies.baseline import FlownPD, fly_pd_legs
 from jaxatt.studies.relative_sparsity import attainable
+from jaxatt.studies.time_comparison import TimeComparison, compare_times
 
 
 @dataclass(frozen=True)
@@ -140,14 +142,16 @@ def compare(
     starts: int | None = None,
     seed: int | None = None,
     report: Report | None = None,
-) -> Comparison:
-    """Run every controller of the source on a scenario.
+) -> Comparison | TimeComparison:
+    """Run every controller of the source on a scenario, or every transcription of a timed turn.
 
     The PD law is no optimum and knows no toy; moving L0 needs a cheap window.
     starts, seed : replace the scenario's own.  report : as in `solve`.
     """
     if not isinstance(scenario, scenarios.Scenario):
         scenario = scenarios.load(scenario)
+    if scenario.objective.kind in TIME_KINDS:
+        return compare_times(scenario, starts, seed, report)
     kinds = ["l1", "l0"]
     if scenario.vehicle is not None and scenarios.window_mask(scenario).any():
         kinds.append("moving-l0")

@@ -26,6 +26,7 @@ from jaxatt.report.files import filling
 from jaxatt.report.summary import write_json
 from jaxatt.report.wording import plural
 from jaxatt.scenarios.build import build_task
+from jaxatt.scenarios.model import TIME_KINDS
 from jaxatt.studies.impulse_balance import (
     eigenaxis_on_time,
     least_intervals,
@@ -194,6 +195,10 @@ def _with_thrusters(scenario: scenarios.Scenario | str | Path) -> scenarios.Scen
     if base.vehicle is None or base.vehicle.thrusters.count == 0:
         raise scenarios.ScenarioError(
             f"{base.name}: the study is for vehicles with thrusters; choose a scenario with some"
+        )
+    if base.objective.kind in TIME_KINDS:
+        raise scenarios.ScenarioError(
+            f"{base.name}: kind = {base.objective.kind} is not sparse; choose a scenario with l0"
         )
     return base
 

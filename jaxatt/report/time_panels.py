@@ -1,0 +1,80 @@
+"""Panels that only a turn in minimum time has: MRP, switches, the cost of every start."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jax
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from jaxatt.attitude import mrp
+from jaxatt.report.figure import colour, tidy
+from jaxatt.report.result import Floats, Leg, Result
+from jaxatt.report.timeline import timeline
+
+_sigma = jax.jit(mrp.from_quaternion)
+
+
+def modified_rodrigues(axes: Axes, result: Result) -> None:
+    """MRP of the set inside the unit sphere, targets dotted; a line breaks where sets change."""
+    line = timeline(result)
+    sigma = np.asarray(_sigma(line.nodes["q_ob"]))
+    time, broken = _broken(line.time, sigma)
+    for index in range(3):
+        label = rf"$\sigma_{index + 1}$"
+        axes.plot(time, broken[:, index], color=colour(index), linewidth=1.5, label=label)
+    for leg in result.legs:
+        for index, value in enumerate(np.asarray(_sigma(leg.reference["q_ob"]))):
+            style: dict[str, Any] = {"linestyle": "dotted", "linewidth": 1.4}
+            axes.axhline(value, color=colour(index), **style)
+    axes.set_ylabel("MRP")
+
+
+def mark_switches(axes: Axes, result: Result, kind: str, only: int | None = None) -> None:
+    """Dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
+    for leg in result.legs:
+        optimum = leg.time_optimum
+        if optimum is None:
+            continue
+        word = {"wheels": "wheel", "thrusters": "thruster"}.get(kind)
+        rows = [
+            times
+            for name, times in zip(optimum.actuators, optimum.switch_times, strict=True)
+            if word is not None and name.startswith(word)
+        ]
+        for index, times in enumerate(rows):
+            if only not in (None, index):
+                continue
+            for time in times:
+                style: dict[str, Any] = {"linestyle": "dotted", "linewidth": 1.0}
+                axes.axvline(leg.start_time + time, color=colour(index), **style)
+
+
+def costs_panel(axes: Axes, leg: Leg) -> None:
+    """Cost of every start from the best to the worst, reached or not."""
+    optimum, starts = leg.time_optimum, leg.starts
+    assert optimum is not None
+    known = np.isfinite(optimum.start_costs)
+    order = np.argsort(np.where(known, optimum.start_costs, np.inf), kind="stable")
+    rank, cost, reached = 1 + np.arange(len(order)), optimum.start_costs[order], starts.reached
+    for mask, marker, index, words in (
+        (~reached[order], "x", 1, "not reached"),
+        (reached[order], "o", 0, "reached"),
+    ):
+        if mask.any():
+            style: dict[str, Any] = {"s": 20, "color": colour(index), "marker": marker}
+            axes.scatter(rank[mask], cost[mask], label=f"{words} ({int(mask.sum())})", **style)
+    axes.axhline(optimum.cost, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
+    axes.set_xlabel(f"starts in order of cost ({100 * optimum.share:.0f} % at the best)")
+    axes.set_ylabel("cost [s]")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    axes.legend(fontsize=8, frameon=False, loc="best")
+    tidy(axes)
+
+
+def _broken(time: Floats, sigma: Floats) -> tuple[Floats, Floats]:
+    """Time and MRP with a gap wherever the set changes."""
+    jumps = 1 + np.flatnonzero(np.linalg.norm(np.diff(sigma, axis=0), axis=1) > 1.0)
+    return np.insert(time, jumps, np.nan), np.insert(sigma, jumps, np.nan, axis=0)

@@ -1,0 +1,137 @@
+"""What a scenario may say of a turn whose time is minimised, alone or with its effort."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.free_time import read_final_time
+from jaxatt.scenarios.model import (
+    TIME_KINDS,
+    Control,
+    Horizon,
+    Initial,
+    Objective,
+    Target,
+    Transcription,
+)
+from jaxatt.scenarios.schema import SPACECRAFT_TABLES
+from jaxatt.spacecraft import Spacecraft
+from jaxatt.spacecraft.checks import Float64
+from jaxatt.spacecraft.wheels import storage_share
+
+_DEFAULT_WEIGHT = 0.01  # of the source's section 6
+_ELSEWHERE = {
+    "orbit": "such turns are solved in the inertial frame",
+    "disturbances": "such turns are solved without external torques",
+    "legs": "such turns have one target",
+    "waypoint": "such turns pass no waypoint",
+    "windows": "such turns may use every interval",
+}
+
+
+def check_time_optimal(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
+    """Refuse what has no meaning where time is minimised.
+
+    Raises `ScenarioError`.
+    """
+    objective = Table(document["objective"], origin, "[objective]", SPACECRAFT_TABLES["objective"])
+    kind = objective.text("kind")
+    for name, reason in _ELSEWHERE.items():
+        if name in document:
+            raise ScenarioError(f"{origin}: {name}: not with kind = {kind}; {reason}, drop it")
+    if objective.choice("terminal", ("reach", "penalty"), "reach") == "penalty":
+        objective.fail("terminal", f"kind = {kind} always reaches", 'use "reach" or leave it out')
+    for key in ("design", "time_weight_1_s"):
+        if key in objective:
+            objective.fail(key, "belongs to the sparse objectives", f"drop it for kind = {kind}")
+    if kind == "minimum-time" and "effort_weight" in objective:
+        notes.append("[objective] effort_weight is not used by kind = minimum-time")
+
+
+def read_effort_weight(table: Table, kind: str) -> float:
+    """Return rho of an [objective] [1/(N m)^2]; 0 where effort has no price."""
+    if kind not in TIME_KINDS:
+        if "effort_weight" in table:
+            table.fail("effort_weight", f"not used by kind = {kind}", 'use kind = "time-effort"')
+        return 0.0
+    weight = table.number("effort_weight", _DEFAULT_WEIGHT, at_least=0.0)
+    return weight if kind == "time-effort" else 0.0
+
+
+def read_open_horizon(table: Table) -> Horizon:
+    """Return the grid of a turn whose time is found: its intervals, and limits of the time."""
+    if table.choice("final_time", ("fixed", "free"), "free") == "fixed":
+        table.fail("final_time", "this objective finds the final time", 'use "free" or drop it')
+    for key, mend in (
+        ("horizon_s", "drop it; shortest_s and longest_s limit it"),
+        ("coast_intervals", "drop it"),
+    ):
+        if key in table:
+            table.fail(key, "this objective finds the final time, and nothing follows it", mend)
+    _, shortest, longest = read_final_time(table, "free")
+    return Horizon(
+        duration=longest,
+        intervals=table.integer("intervals"),
+        coast_intervals=0,
+        substeps=table.integer("substeps") if "substeps" in table else None,
+        free=True,
+        shortest=shortest,
+        longest=longest,
+    )
+
+
+def read_transcription(data: Any, origin: str, objective: Objective) -> Transcription:
+    """Return the coordinates and the integration of a turn whose time is found."""
+    table = Table(data, origin, "[transcription]", SPACECRAFT_TABLES["transcription"])
+    if table.data and objective.kind not in TIME_KINDS:
+        raise ScenarioError(
+            f"{origin}: [transcription]: not used by kind = {objective.kind}; drop it, or use "
+            f"kind = {' or '.join(TIME_KINDS)}"
+        )
+    return Transcription(
+        attitude=table.choice("attitude", ("quaternion", "mrp"), "quaternion"),
+        integration=table.choice("integration", ("rk4", "euler"), "rk4"),
+    )
+
+
+def read_separate_torques(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
+    """Return the control of such a turn: every wheel and thruster by itself, not quantised."""
+    table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
+    for key, only in (("axes", "wheels"), ("quantisation", "none")):
+        if key in table and table.data[key] != only:
+            table.fail(key, "not where time is minimised", f'use "{only}" or leave it out')
+    return Control("wheels", math.inf, "none")
+
+
+def check_storable(origin: str, vehicle: Spacecraft, initial: Initial, target: Target) -> None:
+    """Refuse speed limits of wheels that cannot hold the momentum that is left at the target.
+
+    Without external torques the total momentum stays as it is in the inertial frame, and with the
+    target's attitude and rate what the wheels must hold then is known.  Raises `ScenarioError`.
+    """
+    wheels = vehicle.wheels
+    if vehicle.thrusters.count or not np.isfinite(wheels.speed_limit).any():
+        return
+    inertia = np.asarray(vehicle.inertia)
+    begin = inertia @ initial.omega_ob + wheels.axes @ (wheels.inertia * initial.omega_bw)
+    inverse = target.q_ob * np.array([1.0, -1.0, -1.0, -1.0])
+    left = _rotated(inverse, _rotated(initial.q_ob, np.asarray(begin))) - inertia @ target.omega_ob
+    share = storage_share(wheels, left)
+    if share > 1.0 + 1e-9:
+        held = ", ".join(f"{component:.4g}" for component in left)
+        raise ScenarioError(
+            f"{origin}: [vehicle.wheels] speed_limit_rad_s: at the target the wheels must hold the "
+            f"momentum ({held}) N m s in body axes, {share:.4g} times what their speed limits "
+            "allow; raise the limits, start with slower wheels or choose another target"
+        )
+
+
+def _rotated(q: Float64, v: Float64) -> Float64:
+    """R(q) v in NumPy: exact whatever precision JAX is set to."""
+    twice = 2.0 * np.cross(q[1:], v)
+    return np.asarray(v + q[0] * twice + np.cross(q[1:], twice))
