@@ -48,7 +48,12 @@ def _bounded_chunk(
     lanes = jax.tree.map(jnp.asarray, lanes)
 
     def one(u: Array, sign: Array) -> tuple[Array, Array]:
-        rows, derivatives = respond(u, form.system.turned(arguments.plant, sign))
+        plant = form.system.turned(arguments.plant, sign)
+        rows, derivatives = respond(u, plant)
+        if form.system.path is not None:
+            path, slopes = form.system.path(u, plant)
+            rows = jnp.concatenate([rows, path])
+            derivatives = jnp.concatenate([derivatives, slopes], axis=1)
         return rows, jnp.swapaxes(derivatives, 0, 1)
 
     def response(u: Array) -> tuple[Array, Array]:

@@ -9,6 +9,9 @@ the rule.  The step is the quadratic programme
 w infinite for hard rows.  Its dual has as many variables as there are rows, is concave and once
 differentiable; a few damped Newton steps on it end at v = clip(d J'y, lower, upper).
 
+Rows after those may be one-sided, path constraints that must not be negative: each gets a slack
+variable of its own, from zero up and nearly free, so that they change nothing in the method.
+
 Sources: Candes, Wakin and Boyd (2008) for the weights; Qi and Sun (1993) for Newton's method on
 piecewise smooth equations.
 """
@@ -34,6 +37,8 @@ _DAMPING = 1e-9
 _FAR = 1e-2
 _HARD = 1e-13
 _NOTHING = 1e-300
+_SLACK_ROOM = 1e4
+"""d of a slack variable: where a path constraint holds its slack costs next to nothing."""
 
 
 @jax.tree_util.register_dataclass
@@ -63,7 +68,7 @@ class BoundedRoot(NamedTuple):
     """Where S starts ended.
 
     u : (S, N, b).  support : (S, N, b), 1 where control was allowed in the end.
-    residual : (S,) largest absolute hard row at the point before the last step.
+    residual : (S,) largest violation of a hard row at the point before the last step.
     moved : (S,) largest change of a control in the last step.
     """
 
@@ -139,7 +144,7 @@ def sparsify_bounded(
 ) -> BoundedRoot:
     """Controls with few active stages that bring the rows to zero, from S starts.
 
-    response : see `Response`.
+    response : see `Response`; rows after the first m of `row_weight` must not be negative.
     lower, upper : (N, b) or (S, N, b), limits; a control that is not free is zero all the same.
     u : (S, N, b); the first weights come from it, but the first step begins at rest.  Where the
         support is given, the first controls.
@@ -150,7 +155,11 @@ def sparsify_bounded(
     shows in its residual.
     """
     count, intervals, size = u.shape
+    ends = row_weight.shape[1]
+    path = jax.eval_shape(response, u)[0].shape[1] - ends
+    row_weight = jnp.concatenate([row_weight, jnp.full((count, path), jnp.inf, u.dtype)], axis=1)
     hard = jnp.isinf(row_weight)
+    unlimited = jnp.full((count, path), jnp.inf, u.dtype)
     least, most = (jnp.broadcast_to(bound, u.shape) for bound in (lower, upper))
 
     def flat(x: Array) -> Array:
@@ -172,24 +181,31 @@ def sparsify_bounded(
 
         at = point.u * support
         rows, jacobian = response(at)
-        far = jnp.max(jnp.where(hard, jnp.abs(rows), 0.0), axis=1, keepdims=True)
+        wrong = jnp.concatenate([jnp.abs(rows[:, :ends]), -rows[:, ends:]], axis=1)
+        far = jnp.max(jnp.where(hard, wrong, 0.0), axis=1, keepdims=True)
         share = jnp.minimum(1.0, settings.reach / jnp.maximum(far, settings.reach))
         jacobian = jacobian.reshape(count, rows.shape[1], intervals * size)
-        target = jnp.einsum("sim,sm->si", jacobian, flat(at)) - rows * share
+        # A path constraint that holds has nothing to be taken away, however far it holds.
+        taken = jnp.concatenate(
+            [rows[:, :ends] * share, jnp.where(rows > 0.0, rows, rows * share)[:, ends:]], axis=1
+        )
+        target = jnp.einsum("sim,sm->si", jacobian, flat(at)) - taken
         whole = jnp.sum(jacobian**2 * flat(d)[:, None], axis=-1)
         slack = jnp.where(hard, _HARD * whole, 1.0 / row_weight)
+        slacks = -jnp.eye(rows.shape[1], path, k=-ends, dtype=u.dtype)
+        slacks = jnp.broadcast_to(slacks[None], (count, *slacks.shape))
         v, dual = bounded_step(
-            jacobian,
+            jnp.concatenate([jacobian, slacks], axis=2),
             target,
-            flat(d),
-            flat(least * support),
-            flat(most * support),
+            jnp.concatenate([flat(d), jnp.full((count, path), _SLACK_ROOM, u.dtype)], axis=1),
+            jnp.concatenate([flat(least * support), jnp.zeros_like(unlimited)], axis=1),
+            jnp.concatenate([flat(most * support), unlimited], axis=1),
             slack,
             jnp.where(freezing, 0.0, point.dual),
             settings.dual,
         )
-        worst = jnp.max(jnp.where(hard, jnp.abs(rows), 0.0), axis=1)
-        fresh = v.reshape(u.shape)
+        worst = jnp.max(jnp.where(hard, wrong, 0.0), axis=1)
+        fresh = v[:, : intervals * size].reshape(u.shape)
         moved = jnp.max(jnp.abs(fresh - at), axis=(1, 2))
         return _Point(fresh, support, dual, worst, moved)
 

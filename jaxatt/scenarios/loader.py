@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.scenarios import manoeuvre, settings
+from jaxatt.scenarios.build import moments_of
 from jaxatt.scenarios.documents import read_file
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.model import SPACECRAFT, TOY_SYSTEMS, Scenario
+from jaxatt.scenarios.pointing import check_moments, read_pointing
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
 from jaxatt.scenarios.valves import check_thrusters
 from jaxatt.scenarios.vehicles import read_vehicle
@@ -95,7 +97,7 @@ def from_mapping(
     printed = plain.get("printed", {})
     if not isinstance(printed, dict):
         top.fail("printed", "is not a table", "write [printed] and its keys below")
-    return Scenario(
+    scenario = Scenario(
         name=name,
         title=top.text("title", name),
         source=top.text("source", "not stated"),
@@ -116,7 +118,11 @@ def from_mapping(
         document=plain,
         origin=origin,
         folder=folder,
+        pointing=read_pointing(plain, origin, orbit is not None, orbit.days if orbit else None),
     )
+    if scenario.pointing:
+        check_moments(scenario.pointing, moments_of(scenario), origin)
+    return scenario
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

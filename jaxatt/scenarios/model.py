@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from jaxatt.problems.pointing_case import FREE, Pointing
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 
@@ -16,7 +17,10 @@ TOY_SYSTEMS = ("double-integrator", "van-der-pol")
 
 @dataclass(frozen=True)
 class Orbit:
-    """Keplerian elements at the start: [m], [1], [rad], [rad], [rad], [rad], [m^3/s^2]."""
+    """Keplerian elements at the start: [m], [1], [rad], [rad], [rad], [rad], [m^3/s^2].
+
+    days : the start, days since J2000; None where nothing asks for the date.
+    """
 
     semi_major_axis: float
     eccentricity: float
@@ -25,6 +29,7 @@ class Orbit:
     argument_of_periapsis: float
     true_anomaly: float
     gravitational_parameter: float
+    days: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,6 +188,8 @@ class Scenario:
         The values that the source prints, as in the file.
     notes : tuple of str
         What was changed while reading, e.g. a quaternion that was normalised.
+    pointing
+        Cones to keep out of or within, and limits on the body's rate.
     document, origin, folder
         The TOML document, where it came from and its folder, so that `replace` can read it again.
     """
@@ -207,3 +214,4 @@ class Scenario:
     document: Mapping[str, Any] = field(repr=False)
     origin: str = field(repr=False)
     folder: Path | None = field(repr=False)
+    pointing: Pointing = FREE

@@ -9,6 +9,14 @@ _ATTITUDE = ("attitude_deg", "attitude_quaternion")
 _TARGET = (*_ATTITUDE, "rate_rad_s", "attitude_tolerance_deg", "rate_tolerance_rad_s")
 _HORIZON = ("horizon_s", "intervals", "coast_intervals", "substeps")
 _WINDOW = ("first_interval", "last_interval", "start_s", "end_s", "weight", "forbidden")
+_CONE = (
+    "name",
+    "boresight",
+    "half_angle_deg",
+    "direction_inertial",
+    "direction_orbit",
+    "toward",
+)
 _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
 
@@ -40,6 +48,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "argument_of_periapsis_deg",
         "true_anomaly_deg",
         "gravitational_parameter_m3_s2",
+        "epoch",
     ),
     "initial": (*_ATTITUDE, "rate_rad_s", "wheel_speed_rad_s"),
     "target": _TARGET,
@@ -65,6 +74,9 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "on_off_form",
     ),
     "windows": _WINDOW,
+    "keep_out": _CONE,
+    "keep_in": _CONE,
+    "limits": ("body_rate_deg_s",),
     "solver": _SOLVER,
     "printed": (),
 }
@@ -85,6 +97,7 @@ UNITS = {
     "_m3_s2": "m^3/s^2",
     "_rad_s": "rad/s",
     "_kgm2": "kg m^2",
+    "_deg_s": "degrees a second",
     "_deg": "degrees",
     "_km": "kilometres",
     "_Am2": "A m^2",
