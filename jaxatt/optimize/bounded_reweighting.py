@@ -9,11 +9,12 @@ the rule.  The step is the quadratic programme
 w infinite for hard rows.  Its dual has as many variables as there are rows, is concave and once
 differentiable; a few damped Newton steps on it end at v = clip(d J'y, lower, upper).
 
-Rows after those may be one-sided, path constraints that must not be negative: each gets a slack
-variable of its own, from zero up and nearly free, so that they change nothing in the method.
+Rows after those may be one-sided, path constraints that must not be negative: their dual variables
+must not be either, and the Newton steps are projected (Bertsekas 1982).
 
 Sources: Candes, Wakin and Boyd (2008) for the weights; Qi and Sun (1993) for Newton's method on
-piecewise smooth equations.
+piecewise smooth equations; Bertsekas (1982), "Projected Newton methods for optimization problems
+with simple constraints".
 """
 
 from __future__ import annotations
@@ -37,8 +38,6 @@ _DAMPING = 1e-9
 _FAR = 1e-2
 _HARD = 1e-13
 _NOTHING = 1e-300
-_SLACK_ROOM = 1e4
-"""d of a slack variable: where a path constraint holds its slack costs next to nothing."""
 
 
 @jax.tree_util.register_dataclass
@@ -101,12 +100,14 @@ def bounded_step(
     slack: Array,
     start: Array,
     steps: Array | int,
+    one_sided: int = 0,
 ) -> tuple[Array, Array]:
     """Controls (S, M) of the quadratic programme and its dual variables (S, m), from `start`.
 
     jacobian : (S, m, M).  target : (S, m), what J v should be.  d, lower, upper : (S, M).
-    slack : (S, m), 1/w.
+    slack : (S, m), 1/w.  one_sided : how many of the last rows J v may exceed their target.
     """
+    sided = jnp.arange(target.shape[1])[None] >= target.shape[1] - one_sided
 
     def value(y: Array) -> Array:
         _, kept = _clipped(d, jnp.einsum("sim,si->sm", jacobian, y), lower, upper)
@@ -118,13 +119,18 @@ def bounded_step(
         v = jnp.clip(wanted, lower, upper)
         inside = jnp.where((wanted >= lower) & (wanted <= upper), d, 0.0)
         gradient = jnp.einsum("sim,sm->si", jacobian, v) + slack * y - target
+        loose = sided & (y <= 0.0) & (gradient >= 0.0)
+        gradient = jnp.where(loose, 0.0, gradient)
         curvature = jnp.einsum("sim,sjm->sij", jacobian * inside[:, None], jacobian)
         whole = jnp.sum(jacobian**2 * d[:, None], axis=-1)
         missed = jnp.linalg.norm(gradient, axis=-1) / (jnp.linalg.norm(target, axis=-1) + _NOTHING)
         damping = slack + (_DAMPING + _FAR * jnp.minimum(1.0, missed))[:, None] * whole + _NOTHING
         eye = jnp.eye(y.shape[1], dtype=y.dtype)[None]
-        step = solve_small(curvature + damping[..., None] * eye, -gradient)
+        matrix = curvature + damping[..., None] * eye
+        apart = (loose[:, :, None] | loose[:, None, :]) & (eye == 0.0)
+        step = solve_small(jnp.where(apart, 0.0, matrix), -gradient)
         tried = jnp.stack([y + s * step for s in _STEPS])
+        tried = jnp.where(sided[None], jnp.maximum(0.0, tried), tried)
         best = jnp.argmin(jax.vmap(value)(tried), axis=0)
         return jnp.take_along_axis(tried, best[None, :, None], axis=0)[0]
 
@@ -159,7 +165,6 @@ def sparsify_bounded(
     path = jax.eval_shape(response, u)[0].shape[1] - ends
     row_weight = jnp.concatenate([row_weight, jnp.full((count, path), jnp.inf, u.dtype)], axis=1)
     hard = jnp.isinf(row_weight)
-    unlimited = jnp.full((count, path), jnp.inf, u.dtype)
     least, most = (jnp.broadcast_to(bound, u.shape) for bound in (lower, upper))
 
     def flat(x: Array) -> Array:
@@ -192,20 +197,19 @@ def sparsify_bounded(
         target = jnp.einsum("sim,sm->si", jacobian, flat(at)) - taken
         whole = jnp.sum(jacobian**2 * flat(d)[:, None], axis=-1)
         slack = jnp.where(hard, _HARD * whole, 1.0 / row_weight)
-        slacks = -jnp.eye(rows.shape[1], path, k=-ends, dtype=u.dtype)
-        slacks = jnp.broadcast_to(slacks[None], (count, *slacks.shape))
         v, dual = bounded_step(
-            jnp.concatenate([jacobian, slacks], axis=2),
+            jacobian,
             target,
-            jnp.concatenate([flat(d), jnp.full((count, path), _SLACK_ROOM, u.dtype)], axis=1),
-            jnp.concatenate([flat(least * support), jnp.zeros_like(unlimited)], axis=1),
-            jnp.concatenate([flat(most * support), unlimited], axis=1),
+            flat(d),
+            flat(least * support),
+            flat(most * support),
             slack,
             jnp.where(freezing, 0.0, point.dual),
             settings.dual,
+            path,
         )
         worst = jnp.max(jnp.where(hard, wrong, 0.0), axis=1)
-        fresh = v[:, : intervals * size].reshape(u.shape)
+        fresh = v.reshape(u.shape)
         moved = jnp.max(jnp.abs(fresh - at), axis=(1, 2))
         return _Point(fresh, support, dual, worst, moved)
 
