@@ -14,7 +14,9 @@ from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
-from jaxatt.report.result import Leg, StartsRecord, Valves
+from jaxatt.report.result import Leg, PointingRecord, StartsRecord, Valves
+from jaxatt.report.wording import broken_limit
+from jaxatt.simulation.flight import Trajectory
 
 
 def leg_of(
@@ -43,9 +45,10 @@ def _flown_leg(
     controls = answer.controls
     window = np.asarray(scenarios.window_mask(scenario))
     forbidden = np.asarray(scenarios.forbidden_mask(scenario))
-    state = None
+    state = pointing = None
     if isinstance(task, SlewTask):
         flown = task.fly(controls)
+        pointing = _pointing(task, flown)
         verdict, cost = task.judge(flown, controls), task.cost(flown, controls)
         end = task.intervals
         state = Departure(
@@ -101,13 +104,30 @@ def _flown_leg(
         objective={name: float(value[0]) for name, value in cost.items()},
         effort=float(task.effort(controls)[0]),
         reached=reached,
-        obstacle="" if reached else _obstacle(task, answer),
+        obstacle="" if reached else _obstacle(task, answer, pointing),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
         alternative=alternative,
         quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
+        pointing=pointing,
     )
     return leg, state
+
+
+def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
+    """What a flight (S = 1) says of cones and rate limits."""
+    if not task.pointing:
+        return None
+    lookout, times = task.lookout, task.lookout.times - task.grid.start_time
+    guard = np.zeros(len(task.pointing.cones) + 1) if task.guard is None else task.guard
+    return PointingRecord(
+        time=times,
+        angles=lookout.watch(flown).angles[0],
+        boresights=lookout.boresights(flown),
+        directions=lookout.directions,
+        extremes=task.watch(flown).extremes(times),
+        guard=guard[:-1],
+    )
 
 
 def _valves(
@@ -145,7 +165,7 @@ _ERROR_WORDS = {
 }
 
 
-def _obstacle(task: Task, answer: Candidates) -> str:
+def _obstacle(task: Task, answer: Candidates, pointing: PointingRecord | None = None) -> str:
     """Which constraint is in the way of the closest answer, in words."""
     verdict, status = answer.verdict, Status(int(answer.status[0]))
     missed = [
@@ -156,7 +176,9 @@ def _obstacle(task: Task, answer: Candidates) -> str:
     ]
     if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
         missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
-    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE:
+    broken = [] if pointing is None else [e for e in pointing.extremes if not e.satisfied]
+    missed += [broken_limit(extreme) for extreme in broken]
+    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE and not broken:
         missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
     saturated = task.saturated_intervals(answer.controls[0])
     if saturated:

@@ -17,10 +17,11 @@ from jaxatt.clock import compile_seconds
 from jaxatt.control.pd import PDLaw
 from jaxatt.control.schmitt import SchmittLaw
 from jaxatt.legs import leg_of
-from jaxatt.multistart.search import Found, Report, search
+from jaxatt.multistart.limited_search import search_within_limits
+from jaxatt.multistart.search import Report, search
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
-from jaxatt.problems.task import Floats, Task, Verdict
+from jaxatt.problems.task import Floats, Task
 from jaxatt.report.result import Leg, Result
 from jaxatt.scenarios.build import build_task
 from jaxatt.simulation.flight import Trajectory, fly_held_law, fly_law
@@ -75,10 +76,8 @@ def solve(
         task = build_task(scenario, index, state, enforce_speed_limits=False)
         start = _guess(scenario, index, state, task, guess)
         count, chosen = scenario.solver.starts, scenario.solver.seed
-        found = search(task, count, chosen, start, inner, report)
-        if isinstance(task, SlewTask) and task.has_speed_limits and _limit_binds(found):
-            task = build_task(scenario, index, state)
-            found = search(task, count, chosen, start, inner, report)
+        limited = search_within_limits(task, count, chosen, start, inner, report)
+        task, found = limited.task, limited.found
         resting_cost += found.resting_cost or 0.0
         flown = time.perf_counter()
         leg, state = leg_of(scenario, task, found, index)
@@ -108,12 +107,6 @@ def solve(
 def versions() -> Mapping[str, str]:
     """Versions of what made a result."""
     return {name: importlib.metadata.version(name) for name in ("jaxatt", "jax", "jaxlib", "optax")}
-
-
-def _limit_binds(found: Found) -> bool:
-    """Whether path constraints that the search left out matter: then it was not enough."""
-    exceeded = (found.starts.verdict.margin_violation > Verdict.MARGIN_TOLERANCE).any()
-    return bool(exceeded) or not bool(found.best.verdict.reached[0])
 
 
 def _guess(

@@ -12,6 +12,9 @@ from jaxatt.attitude.vectors import dot, norm
 EARTH_RADIUS = 6378137.0
 """Equatorial radius [m], WGS 84."""
 
+FIRST_YEAR, LAST_YEAR = 1950, 2050
+"""Between them `sun_direction` is good to 0.01 deg."""
+
 SUN_RADIUS = 6.957e8
 ASTRONOMICAL_UNIT = 1.495978707e11
 

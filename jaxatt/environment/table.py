@@ -115,6 +115,21 @@ def tabulate(
     )
 
 
+def refined(table: EnvironmentTable) -> EnvironmentTable:
+    """The same table with every substep as an interval of its own."""
+
+    def each(leaf: Array) -> np.ndarray:
+        stages = np.asarray(leaf)
+        return stages.reshape(-1, 1, *stages.shape[2:])
+
+    def ends(leaf: Array) -> np.ndarray:
+        stages = each(leaf)[:, 0]
+        return np.concatenate([stages[:, 0], stages[-1:, 3]])
+
+    nodes = jax.tree.map(ends, table.stages)
+    return EnvironmentTable(jax.tree.map(each, table.stages), nodes, table.substep)
+
+
 def coarsen(table: EnvironmentTable, intervals: int, substeps: int) -> EnvironmentTable:
     """The first `intervals` of a table at fewer `substeps`, a divisor of those it has."""
     ratio = table.stages.gradient.shape[1] // substeps

@@ -7,23 +7,17 @@ the lengths of the arcs become the only unknowns: the least sum of them that rea
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array, lax
 
 from jaxatt.minimization import minimize
 from jaxatt.multistart.free_time import FreeTimeFound
 from jaxatt.optimize.status import Status
-from jaxatt.problems.reorientation import ReorientationParameters
-from jaxatt.problems.reorientation_derivatives import torques
 from jaxatt.problems.reorientation_task import ReorientationTask
 from jaxatt.problems.task import Floats
-from jaxatt.simulation.free_body import step
 
 _SATURATED = 0.98
 _SUBSTEPS = 24
@@ -49,7 +43,12 @@ class Arcs:
 def resolve_switches(task: ReorientationTask, found: FreeTimeFound) -> Arcs | None:
     """Arcs of the best answer; None where it is not bang-bang, or they lead nowhere."""
     best = found.best
-    if not found.reached[best] or found.step[best] == 0.0 or task.form.cones or task.form.speed_limited:
+    if (
+        not found.reached[best]
+        or found.step[best] == 0.0
+        or task.form.cones
+        or task.form.speed_limited
+    ):
         return None
     u = _scaled(task, found.controls[best])
     read = _read(u, float(found.step[best]), task.actuation.lower, task.actuation.upper)

@@ -26,6 +26,9 @@ from jaxatt.simulation.chunks import CHUNK, Progress, in_chunks
 DECIDE = BoundedReweighting()
 """Reweighting that decides supports, from scaled controls of any size."""
 
+DECIDE_SLOWLY = BoundedReweighting(deciding=24, factor=0.75)
+"""The same where path constraints, which are worst now here, now there, have to be met as well."""
+
 SETTLE = BoundedReweighting(deciding=0, settling=20, settled_smoothing=1e-2)
 """Whether a given support leads to the target."""
 
@@ -48,7 +51,12 @@ def _bounded_chunk(
     lanes = jax.tree.map(jnp.asarray, lanes)
 
     def one(u: Array, sign: Array) -> tuple[Array, Array]:
-        rows, derivatives = respond(u, form.system.turned(arguments.plant, sign))
+        plant = form.system.turned(arguments.plant, sign)
+        rows, derivatives = respond(u, plant)
+        if form.system.path is not None:
+            path, slopes = form.system.path(u, plant)
+            rows = jnp.concatenate([rows, path])
+            derivatives = jnp.concatenate([derivatives, slopes], axis=1)
         return rows, jnp.swapaxes(derivatives, 0, 1)
 
     def response(u: Array) -> tuple[Array, Array]:
@@ -94,7 +102,8 @@ def reweight_bounded(
 
     settings : only whether the support is decided or given is read from them.
     """
-    chosen = DECIDE if settings.deciding else SETTLE
+    decide = DECIDE if form.system.path is None else DECIDE_SLOWLY
+    chosen = decide if settings.deciding else SETTLE
     found = sparsify_bounded_lanes(form, lanes, arguments, chosen, progress, rows)
     # Bounds hold at every step, so there is no start that saturation could have led astray.
     return SparseRoot(found.u, found.support, found.residual, jnp.zeros(len(lanes.u), bool))

@@ -79,7 +79,7 @@ def search(
 
     if task.system.bounds is not None:
         found = search_bounded(task, count, seed, guess, method)
-        return _chosen(task, found.starts, found.pool)
+        return chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     ended = from_starts("l1" if task.goal.kind == "l1" else "l0")
@@ -103,10 +103,10 @@ def search(
         usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
         tried: set[bytes] = set()
         pool = join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
-    return _chosen(task, ended, pool)
+    return chosen(task, ended, pool)
 
 
-def _chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
+def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
     """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
     reached_first = task.goal.terminal == "reach"
     resting_cost = None

@@ -9,8 +9,12 @@ the rule.  The step is the quadratic programme
 w infinite for hard rows.  Its dual has as many variables as there are rows, is concave and once
 differentiable; a few damped Newton steps on it end at v = clip(d J'y, lower, upper).
 
+Rows after those may be one-sided, path constraints that must not be negative: their dual variables
+must not be either, and the Newton steps are projected (Bertsekas 1982).
+
 Sources: Candes, Wakin and Boyd (2008) for the weights; Qi and Sun (1993) for Newton's method on
-piecewise smooth equations.
+piecewise smooth equations; Bertsekas (1982), "Projected Newton methods for optimization problems
+with simple constraints".
 """
 
 from __future__ import annotations
@@ -63,7 +67,7 @@ class BoundedRoot(NamedTuple):
     """Where S starts ended.
 
     u : (S, N, b).  support : (S, N, b), 1 where control was allowed in the end.
-    residual : (S,) largest absolute hard row at the point before the last step.
+    residual : (S,) largest violation of a hard row at the point before the last step.
     moved : (S,) largest change of a control in the last step.
     """
 
@@ -96,12 +100,14 @@ def bounded_step(
     slack: Array,
     start: Array,
     steps: Array | int,
+    one_sided: int = 0,
 ) -> tuple[Array, Array]:
     """Controls (S, M) of the quadratic programme and its dual variables (S, m), from `start`.
 
     jacobian : (S, m, M).  target : (S, m), what J v should be.  d, lower, upper : (S, M).
-    slack : (S, m), 1/w.
+    slack : (S, m), 1/w.  one_sided : how many of the last rows J v may exceed their target.
     """
+    sided = jnp.arange(target.shape[1])[None] >= target.shape[1] - one_sided
 
     def value(y: Array) -> Array:
         _, kept = _clipped(d, jnp.einsum("sim,si->sm", jacobian, y), lower, upper)
@@ -113,13 +119,18 @@ def bounded_step(
         v = jnp.clip(wanted, lower, upper)
         inside = jnp.where((wanted >= lower) & (wanted <= upper), d, 0.0)
         gradient = jnp.einsum("sim,sm->si", jacobian, v) + slack * y - target
+        loose = sided & (y <= 0.0) & (gradient >= 0.0)
+        gradient = jnp.where(loose, 0.0, gradient)
         curvature = jnp.einsum("sim,sjm->sij", jacobian * inside[:, None], jacobian)
         whole = jnp.sum(jacobian**2 * d[:, None], axis=-1)
         missed = jnp.linalg.norm(gradient, axis=-1) / (jnp.linalg.norm(target, axis=-1) + _NOTHING)
         damping = slack + (_DAMPING + _FAR * jnp.minimum(1.0, missed))[:, None] * whole + _NOTHING
         eye = jnp.eye(y.shape[1], dtype=y.dtype)[None]
-        step = solve_small(curvature + damping[..., None] * eye, -gradient)
+        matrix = curvature + damping[..., None] * eye
+        apart = (loose[:, :, None] | loose[:, None, :]) & (eye == 0.0)
+        step = solve_small(jnp.where(apart, 0.0, matrix), -gradient)
         tried = jnp.stack([y + s * step for s in _STEPS])
+        tried = jnp.where(sided[None], jnp.maximum(0.0, tried), tried)
         best = jnp.argmin(jax.vmap(value)(tried), axis=0)
         return jnp.take_along_axis(tried, best[None, :, None], axis=0)[0]
 
@@ -139,7 +150,7 @@ def sparsify_bounded(
 ) -> BoundedRoot:
     """Controls with few active stages that bring the rows to zero, from S starts.
 
-    response : see `Response`.
+    response : see `Response`; rows after the first m of `row_weight` must not be negative.
     lower, upper : (N, b) or (S, N, b), limits; a control that is not free is zero all the same.
     u : (S, N, b); the first weights come from it, but the first step begins at rest.  Where the
         support is given, the first controls.
@@ -150,6 +161,9 @@ def sparsify_bounded(
     shows in its residual.
     """
     count, intervals, size = u.shape
+    ends = row_weight.shape[1]
+    path = jax.eval_shape(response, u)[0].shape[1] - ends
+    row_weight = jnp.concatenate([row_weight, jnp.full((count, path), jnp.inf, u.dtype)], axis=1)
     hard = jnp.isinf(row_weight)
     least, most = (jnp.broadcast_to(bound, u.shape) for bound in (lower, upper))
 
@@ -172,10 +186,15 @@ def sparsify_bounded(
 
         at = point.u * support
         rows, jacobian = response(at)
-        far = jnp.max(jnp.where(hard, jnp.abs(rows), 0.0), axis=1, keepdims=True)
+        wrong = jnp.concatenate([jnp.abs(rows[:, :ends]), -rows[:, ends:]], axis=1)
+        far = jnp.max(jnp.where(hard, wrong, 0.0), axis=1, keepdims=True)
         share = jnp.minimum(1.0, settings.reach / jnp.maximum(far, settings.reach))
         jacobian = jacobian.reshape(count, rows.shape[1], intervals * size)
-        target = jnp.einsum("sim,sm->si", jacobian, flat(at)) - rows * share
+        # A path constraint that holds has nothing to be taken away, however far it holds.
+        taken = jnp.concatenate(
+            [rows[:, :ends] * share, jnp.where(rows > 0.0, rows, rows * share)[:, ends:]], axis=1
+        )
+        target = jnp.einsum("sim,sm->si", jacobian, flat(at)) - taken
         whole = jnp.sum(jacobian**2 * flat(d)[:, None], axis=-1)
         slack = jnp.where(hard, _HARD * whole, 1.0 / row_weight)
         v, dual = bounded_step(
@@ -187,8 +206,9 @@ def sparsify_bounded(
             slack,
             jnp.where(freezing, 0.0, point.dual),
             settings.dual,
+            path,
         )
-        worst = jnp.max(jnp.where(hard, jnp.abs(rows), 0.0), axis=1)
+        worst = jnp.max(jnp.where(hard, wrong, 0.0), axis=1)
         fresh = v.reshape(u.shape)
         moved = jnp.max(jnp.abs(fresh - at), axis=(1, 2))
         return _Point(fresh, support, dual, worst, moved)

@@ -60,6 +60,8 @@ class SparseSystem:
     limits : plant -> (n, b), rows l of the control limits |l u[k]| <= 1.
     bounds : plant -> (b,) and (b,), limits lower <= u[k] <= upper that each control has of its own;
         given instead of `limits` where controls are one-sided, as thrusters are.
+    path : (u, plant) -> (K,) and (N, K, b), path constraints where they are worst, non-negative
+        when satisfied, and their derivatives, for systems with `bounds`; None without any.
     stages : number of controls b -> the same system interval by interval, without cost and
         without the control limits, its arguments `SparseArguments`; None where it has no such form.
     """
@@ -72,6 +74,7 @@ class SparseSystem:
     equations: Callable[[Array, Array, Array, Array, Any], Equations] | None = None
     limits: Callable[[Any], Array] | None = None
     bounds: Callable[[Any], tuple[Array, Array]] | None = None
+    path: Callable[[Any, Any], tuple[Array, Array]] | None = None
     stages: Callable[[int], StagedProgram] | None = None
 
     def linearise(self, plant: Any) -> Linearise:

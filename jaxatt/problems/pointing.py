@@ -11,11 +11,15 @@ from dataclasses import dataclass
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+import numpy as np
+from jax import Array, lax
 
-from jaxatt.attitude.components import Quaternion, Vector
+from jaxatt.attitude.components import Quaternion, Scalar, Vector
 
 KEEP_IN, KEEP_OUT = 1.0, -1.0
+
+_ROUNDED = 0.02
+"""[rad] Up to which angle from its middle a cone's margin is rounded."""
 
 
 @jax.tree_util.register_dataclass
@@ -46,6 +50,26 @@ class PointingLimits:
         return self.count + 2 * int(self.rate_limit.shape[-1])
 
 
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class PointingPath:
+    """Limits along a flight of N intervals.
+
+    limits : what holds all the way.  directions : (N + 1, m, 3), unit vectors in inertial axes at
+    the nodes.
+    """
+
+    limits: PointingLimits
+    directions: Array
+
+
+NO_POINTING = PointingPath(
+    PointingLimits(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0)),  # type: ignore[arg-type]
+    np.zeros((1, 0, 3)),  # type: ignore[arg-type]
+)
+"""A flight that may point anywhere at any rate."""
+
+
 def pointing_margins(
     q_ib: Array, omega_ib: Array, directions: Array, limits: PointingLimits
 ) -> Array:
@@ -54,25 +78,32 @@ def pointing_margins(
     q_ib : (4,), unit norm.  omega_ib : (3,) [rad/s] in body axes.
     directions : (m, 3), unit vectors in inertial axes at that instant.
 
-    A cone's margin is +-(cos angle - cos half_angle) / sin half_angle: smooth everywhere, and near
-    the cone's surface the angle [rad] that is left.  A rate's margins are 1 -+ omega / limit.
+    A cone's margin grows with the chord between boresight and direction, 2 sin(angle/2), rounded in
+    the middle of the cone: smooth everywhere, near the cone's surface the angle [rad] that is left,
+    and in its middle, where the cosine is flat, still steep.  Those of a rate are 1 -+ omega/limit.
     """
     # In components: under `vmap` with the batch axis last each is one contiguous vector.
-    q, rows = Quaternion.of(q_ib), []
+    q = Quaternion.of(q_ib)
+    rows = []
     for i in range(limits.count):
-        cosine, edge = _seen(q, limits.boresights[i], directions[i]), limits.cosines[i]
-        sine = jnp.sqrt(1.0 - edge * edge)
-        rows.append(limits.senses[i] * (cosine - edge) / sine)
-    for sign in (-1.0, 1.0):
-        for i in range(limits.rate_limit.shape[-1]):
-            rows.append(1.0 + sign * omega_ib[i] / limits.rate_limit[i])
+        boresight, direction = Vector.of(limits.boresights[i]), Vector.of(directions[i])
+        cosine = q.rotate(boresight).dot(direction)
+        rows.append(cone_margin(cosine, limits.cosines[i], limits.senses[i]))
+    rows += rate_margins(omega_ib, limits)
     return jnp.stack(rows) if rows else jnp.zeros((0,), q_ib.dtype)
 
 
-def _seen(q: Quaternion, boresight: Array, direction: Array) -> Array:
-    """Cosine of the angle between a boresight in body axes and a direction in inertial axes."""
-    turned = q.rotate(Vector.of(boresight))
-    return jnp.asarray(turned.dot(Vector.of(direction)))
+def cone_margin(cosine: Scalar, edge: Array, sense: Array) -> Array:
+    """Margin () of one cone, whose half angle has the cosine `edge`, at the cosine of its angle."""
+    chord, border = (jnp.sqrt(2.0 - 2.0 * c + _ROUNDED * _ROUNDED) for c in (cosine, edge))
+    return jnp.asarray(sense * (border - chord) * border * lax.rsqrt(1.0 - edge * edge))
+
+
+def rate_margins(omega_ib: Array, limits: PointingLimits) -> list[Array]:
+    """Margins of the limited rates, upper limits first, each ()."""
+    count = limits.rate_limit.shape[-1]
+    relative = [omega_ib[i] / limits.rate_limit[i] for i in range(count)]
+    return [1.0 - r for r in relative] + [1.0 + r for r in relative]
 
 
 def cone_angles(q_ib: Array, directions: Array, boresights: Array) -> Array:

@@ -16,7 +16,7 @@ from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters, inertial_
 from jaxatt.simulation import external_model
 from jaxatt.simulation.momentum_model import Components, cross, matvec
 
-_Row = tuple[Components, Components, Components]
+Row = tuple[Components, Components, Components]
 """Derivatives of one row with respect to the errors of attitude, rate and momentum."""
 
 
@@ -97,61 +97,63 @@ def _combined(shares: Components, rows: list[Components]) -> Components:
     )
 
 
-def _sweep(history: Array, end: Components, slope: Array, p: SlewParameters, size: int) -> Array:
-    """Derivatives (N, 6, b) from the states at all nodes (N + 1, 10).
+def through_interval(
+    row: Row, before: Array, after: Array, p: SlewParameters, size: int
+) -> tuple[Row, list[Array]]:
+    """A row's derivatives with respect to the errors at an interval's start, from those at its end.
 
-    slope : (3, 3), see `_attitude_slope`.
+    row : components of any shape.  before, after : (10,), states at both ends.
+    Also returns its derivatives with respect to the interval's controls, `size` of them.
     """
     h, inverse = p.step, p.body.inverse_inertia
-    zero = jnp.zeros((), history.dtype)
-    nothing: Components = (zero, zero, zero)
-    unit = [tuple(zero + float(i == j) for j in range(3)) for i in range(3)]
-    turned = _rows_of(end[:4])
-    first: list[_Row] = [
-        (_combined(tuple(slope[i, j] for j in range(3)), turned), nothing, nothing)
-        for i in range(3)
-    ]
-    # The orbit frame turns too slowly for the attitude's share in the rate row to matter.
-    first += [(nothing, tuple(RATE_SCALE * x for x in e), nothing) for e in unit]
+    middle = tuple(0.5 * (before[i] + after[i]) for i in range(4, 10))
+    w, momentum = middle[:3], middle[3:]
 
-    def through(row: _Row, w: Components, momentum: Components) -> tuple[_Row, Components]:
+    def through(row: Row) -> tuple[Row, Components]:
         """A row times the matrix of the error equations; its derivative to external torque."""
         a, b, c = row
         d = tuple(x + y for x, y in zip(matvec(inverse, b), c, strict=True))  # J_s is symmetric
         rate = tuple(x + y for x, y in zip(a, cross(d, momentum), strict=True))
         return (cross(w, a), rate, cross(w, d)), d
 
-    def backwards(rows: list[_Row], stage: tuple[Array, Array]) -> tuple[list[_Row], Array]:
-        before, after = stage
-        middle = tuple(0.5 * (before[i] + after[i]) for i in range(4, 10))
-        w, momentum = middle[:3], middle[3:]
-        ahead: list[_Row] = []
-        felt = []
-        for row in rows:
-            once, d0 = through(row, w, momentum)
-            twice, d1 = through(once, w, momentum)
-            _, d2 = through(twice, w, momentum)
-            mean = tuple(
-                h * (x + h * (y / 2.0 + h * z / 6.0)) for x, y, z in zip(d0, d1, d2, strict=True)
-            )
-            body = [matvec(inverse, part[1]) for part in (row, once, twice)]
-            wheel = tuple(
-                -h * (x + h * (y / 2.0 + h * z / 6.0)) for x, y, z in zip(*body, strict=True)
-            )
-            felt.append(
-                [
-                    sum(
-                        mean[i] * p.to_external[i, c] + wheel[i] * p.to_body[i, c] for i in range(3)
-                    )
-                    for c in range(size)
-                ]
-            )
-            a, b, c = (
-                tuple(x + h * (y + 0.5 * h * z) for x, y, z in zip(part, one, two, strict=True))
-                for part, one, two in zip(row, once, twice, strict=True)
-            )
-            ahead.append((a, b, c))
-        return ahead, jnp.stack([entry for row in felt for entry in row])
+    once, d0 = through(row)
+    twice, d1 = through(once)
+    _, d2 = through(twice)
+    mean = tuple(h * (x + h * (y / 2.0 + h * z / 6.0)) for x, y, z in zip(d0, d1, d2, strict=True))
+    body = [matvec(inverse, part[1]) for part in (row, once, twice)]
+    wheel = tuple(-h * (x + h * (y / 2.0 + h * z / 6.0)) for x, y, z in zip(*body, strict=True))
+    felt = [
+        jnp.asarray(
+            sum(mean[i] * p.to_external[i, c] + wheel[i] * p.to_body[i, c] for i in range(3))
+        )
+        for c in range(size)
+    ]
+    a, b, c = (
+        tuple(x + h * (y + 0.5 * h * z) for x, y, z in zip(part, one, two, strict=True))
+        for part, one, two in zip(row, once, twice, strict=True)
+    )
+    return (a, b, c), felt
+
+
+def _sweep(history: Array, end: Components, slope: Array, p: SlewParameters, size: int) -> Array:
+    """Derivatives (N, 6, b) from the states at all nodes (N + 1, 10).
+
+    slope : (3, 3), see `_attitude_slope`.
+    """
+    zero = jnp.zeros((), history.dtype)
+    nothing: Components = (zero, zero, zero)
+    unit = [tuple(zero + float(i == j) for j in range(3)) for i in range(3)]
+    turned = _rows_of(end[:4])
+    first: list[Row] = [
+        (_combined(tuple(slope[i, j] for j in range(3)), turned), nothing, nothing)
+        for i in range(3)
+    ]
+    # The orbit frame turns too slowly for the attitude's share in the rate row to matter.
+    first += [(nothing, tuple(RATE_SCALE * x for x in e), nothing) for e in unit]
+
+    def backwards(rows: list[Row], stage: tuple[Array, Array]) -> tuple[list[Row], Array]:
+        passed = [through_interval(row, *stage, p, size) for row in rows]
+        return [row for row, _ in passed], jnp.stack([felt for _, part in passed for felt in part])
 
     _, entries = lax.scan(backwards, first, (history[:-1], history[1:]), reverse=True)
     return entries.reshape(history.shape[0] - 1, len(first), size)

@@ -14,6 +14,7 @@ from jax import Array
 
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable
+from jaxatt.problems.pointing import PointingPath
 from jaxatt.simulation import momentum_model
 from jaxatt.simulation.momentum_model import BodyParameters
 
@@ -41,6 +42,7 @@ class SlewParameters:
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
     wheel_torque : (n, b) [N m], wheel torques of a unit of the controls;
     speed_limit : (n,) [rad/s].
+    pointing : cones and rate limits along the slew.
     """
 
     body: BodyParameters
@@ -62,6 +64,7 @@ class SlewParameters:
     wheel_inertia: Array
     wheel_torque: Array
     speed_limit: Array
+    pointing: PointingPath
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,7 @@ class SlewForm:
 
     gyroscopic : whether the total momentum is so large that `pulse_equations` does not hold.
     propelled : whether thrusters act, which change the total momentum.
+    pointed : whether cones or rate limits are enforced.
     """
 
     disturbed: bool = False
@@ -77,6 +81,12 @@ class SlewForm:
     speed_limited: bool = False
     gyroscopic: bool = False
     propelled: bool = False
+    pointed: bool = False
+
+    @property
+    def path_limited(self) -> bool:
+        """Whether anything but the controls is limited on the way."""
+        return self.speed_limited or self.pointed
 
 
 def attitude_row(reference: Array, q: Array) -> Array:

@@ -9,6 +9,7 @@ from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable
 from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.mounting import Mounting
+from jaxatt.problems.pointing import NO_POINTING, PointingPath
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
 from jaxatt.problems.slew_case import Aim, Passage
 from jaxatt.problems.task import Flags, Floats, Goal
@@ -31,8 +32,12 @@ def slew_parameters(
     passage: Passage | None,
     step: float,
     form: SlewForm,
+    pointing: PointingPath = NO_POINTING,
 ) -> SlewParameters:
-    """Parameters of a slew from a state at the first node of a table."""
+    """Parameters of a slew from a state at the first node of a table.
+
+    pointing : cones and rate limits that are enforced.
+    """
     wheels, m = craft.wheels, mounting
     begin = np.asarray(start.q_ob)
     reference = _nearer(np.asarray(aim.q_ob), begin)
@@ -60,6 +65,7 @@ def slew_parameters(
         wheel_inertia=jnp.asarray(wheels.inertia),
         wheel_torque=jnp.asarray(m.to_wheel * m.scale),
         speed_limit=jnp.asarray(wheels.speed_limit),
+        pointing=pointing,
     )
 
 

@@ -17,6 +17,7 @@ from jax import Array
 
 from jaxatt.environment.table import Environment
 from jaxatt.problems.hands_off import SparseArguments
+from jaxatt.problems.pointing_path import node_margins
 from jaxatt.problems.slew import (
     SlewForm,
     SlewParameters,
@@ -31,10 +32,15 @@ from jaxatt.simulation import momentum_model
 
 
 class SlewStage(NamedTuple):
-    """along : Environment (S, 4), `down` in place of the orbit's attitude.  node : () int."""
+    """One interval.
+
+    along : Environment (S, 4), `down` in place of the orbit's attitude.  node : () int.
+    directions : (m, 3), those of the cones at its first node, inertial.
+    """
 
     along: Environment
     node: Array
+    directions: Array
 
 
 def retract(x: Array, error: Array) -> Array:
@@ -95,7 +101,9 @@ def slew_stages(form: SlewForm, size: int) -> StagedProgram:
 
     def stages(args: SparseArguments) -> SlewStage:
         along = momentum_model.with_down(args.plant.table.stages)
-        return SlewStage(along, jnp.arange(along.gradient.shape[0]))
+        count = along.gradient.shape[0]
+        toward = args.plant.pointing.directions if form.pointed else jnp.zeros((count + 1, 0, 3))
+        return SlewStage(along, jnp.arange(count), toward[:-1])
 
     def dynamics(x: Array, u: Array, stage: SlewStage, args: SparseArguments) -> Array:
         p = args.plant
@@ -115,9 +123,18 @@ def slew_stages(form: SlewForm, size: int) -> StagedProgram:
     def waypoint_weight(stage: SlewStage, args: SparseArguments) -> Array:
         return jnp.where(stage.node == args.plant.waypoint_node, args.row_weight[6:], 0.0)
 
+    def path(x: Array, directions: Array, p: SlewParameters) -> Array:
+        parts = [_speed_margins(x, p)] if form.speed_limited else []
+        if form.pointed:
+            parts.append(node_margins(x[:4], x[4:7], directions, p.step, p.pointing.limits))
+        return jnp.concatenate(parts)
+
     def margins(x: Array, u: Array, stage: SlewStage, args: SparseArguments) -> Array:
-        found = _speed_margins(x, args.plant)
+        found = path(x, stage.directions, args.plant)
         return jnp.where(stage.node == 0, 1.0, found)  # nothing changes the first node
+
+    def final_margins(x: Array, args: SparseArguments) -> Array:
+        return path(x, args.plant.pointing.directions[-1], args.plant)
 
     def final_rows(x: Array, args: SparseArguments) -> Array:
         p, q = args.plant, x[:4]
@@ -150,10 +167,6 @@ def slew_stages(form: SlewForm, size: int) -> StagedProgram:
     )
     if form.has_waypoint:
         program = replace(program, equality=waypoint, equality_weight=waypoint_weight)
-    if form.speed_limited:
-        program = replace(
-            program,
-            inequality=margins,
-            final_inequality=lambda x, args: _speed_margins(x, args.plant),
-        )
+    if form.path_limited:
+        program = replace(program, inequality=margins, final_inequality=final_margins)
     return program

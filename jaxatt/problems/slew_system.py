@@ -10,13 +10,14 @@ from jax import Array
 
 from jaxatt.problems.equations import Equations
 from jaxatt.problems.hands_off import SparseSystem
+from jaxatt.problems.pointing_path import path_margins
+from jaxatt.problems.propelled_path import path_response
 from jaxatt.problems.propelled_response import propelled_response, propelled_rows
 from jaxatt.problems.pulse_equations import pulse_equations
 from jaxatt.problems.slew import (
     SlewForm,
     SlewParameters,
     bound_margins,
-    speed_margins,
     terminal_rows,
     torque_margins,
 )
@@ -41,14 +42,15 @@ def slew_system(form: SlewForm) -> SparseSystem:
             turned=lambda p, sign: replace(p, reference=p.reference * sign),
             response=lambda u, p: propelled_response(u, p, form),
             bounds=lambda p: (p.lower, p.upper),
+            path=(lambda u, p: path_response(u, p, form)) if form.pointed else None,
         )
-    by_pulses = not (form.gyroscopic or form.speed_limited)
+    by_pulses = not (form.gyroscopic or form.path_limited)
     return SparseSystem(
         rows=lambda u, p: terminal_rows(u, p, form),
-        margins=lambda u, p: speed_margins(u, p, form),
+        margins=lambda u, p: path_margins(u, p, form),
         stage_margins=torque_margins,
         turned=lambda p, sign: replace(p, reference=p.reference * sign),
-        response=None if form.speed_limited else lambda u, p: slew_response(u, p, form),
+        response=None if form.path_limited else lambda u, p: slew_response(u, p, form),
         equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,
         stages=functools.partial(slew_stages, form),

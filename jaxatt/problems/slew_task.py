@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import functools
+from dataclasses import replace
 
 import jax
 import jax.numpy as jnp
@@ -12,6 +14,8 @@ from jax import Array
 from jaxatt.attitude import errors
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
 from jaxatt.problems.mounting import mounting
+from jaxatt.problems.pointing_case import FREE, Pointing
+from jaxatt.problems.pointing_watch import Lookout, Watch
 from jaxatt.problems.printed_cost import partly_open, support_cost
 from jaxatt.problems.slew import SlewForm
 from jaxatt.problems.slew_arguments import slew_arguments, slew_parameters
@@ -27,7 +31,7 @@ from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
 from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
-from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
 from jaxatt.simulation.pulse_flight import fly_pulses
 from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
@@ -69,6 +73,7 @@ class SlewTask(Task):
     axes : "body" or "wheels", the axes of the decision variables.
     weight : (N,), h_k.  forbidden : (N,), intervals without torque.
     enforce_speed_limits : False to leave wheel speed limits to the verdict, which always has them.
+    pointing : cones and rate limits; left to the verdict until `enforcing` puts them in the way.
     """
 
     threshold = 1e-6
@@ -86,6 +91,7 @@ class SlewTask(Task):
         passage: Passage | None = None,
         axes: str = "body",
         enforce_speed_limits: bool = True,
+        pointing: Pointing = FREE,
     ):
         self.craft, self.departure, self.aim, self.goal = craft, departure, aim, goal
         self.grid, self.passage, self.axes = grid, passage, axes
@@ -102,6 +108,10 @@ class SlewTask(Task):
             jnp.asarray(departure.omega_bw),
             jax.tree.map(lambda leaf: leaf[0], self.table.nodes),
         )
+        self.pointing = pointing
+        self.guard: Floats | None = None
+        self.judges_path = True
+        self.lookout = Lookout(self.table, pointing, grid.start_time)
         self.mounting = mounting(craft, axes)
         self.scale = self.mounting.scale
         self.size = len(self.scale)
@@ -131,6 +141,34 @@ class SlewTask(Task):
             form,
         )
         self.arguments = slew_arguments(plant, self.mounting, goal, weight, forbidden, form, axes)
+
+    def enforcing(self, guard: Floats | None, speeds: bool) -> SlewTask:
+        """The same slew with path constraints in the way of the search, not left to the verdict.
+
+        guard : (m + 1,), how much stricter cones [rad] and rates (a share) are taken than they are;
+        None leaves them to the verdict.  speeds : whether wheel speed limits are enforced.
+        """
+        other = copy.copy(self)
+        other.guard = guard
+        speeds = speeds and self.has_speed_limits and not self.form.propelled
+        other.form = replace(self.form, speed_limited=speeds, pointed=guard is not None)
+        other.system = slew_system(other.form)
+        if guard is not None:
+            path = self.pointing.path(self.lookout.at_nodes(self.intervals), guard)
+            plant = replace(self.arguments.plant, pointing=path)
+            other.arguments = replace(self.arguments, plant=plant)
+        return other
+
+    def ignoring_path_limits(self) -> SlewTask:
+        """The same slew where nothing but the controls is limited, not even in the verdict."""
+        other = self.enforcing(None, False)
+        other.judges_path = False
+        return other
+
+    @property
+    def has_path_limits(self) -> bool:
+        """Whether anything but the controls is limited on the way."""
+        return bool(self.pointing) or (self.has_speed_limits and not self.form.propelled)
 
     @property
     def has_speed_limits(self) -> bool:
@@ -176,13 +214,18 @@ class SlewTask(Task):
 
     def fly(self, controls: Floats) -> Trajectory:
         """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
-        start, craft, table = self.start, self.craft, self.table
+        start, craft, every = self.start, self.craft, self.lookout.every
+        watched = bool(self.pointing) and self.judges_path
+        table = self.lookout.fine if watched else self.table
         torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
-        return in_chunks(
+        if watched:
+            torque = np.repeat(torque, every, axis=1)
+        flown: Trajectory = in_chunks(
             lambda chunk: _fly_many(craft, start, chunk, table),
             torque,
             key=("fly", torque.shape[1:], table.stages.gradient.shape),
         )
+        return at_nodes(flown, every) if watched else flown
 
     def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
         """Fly openings of valves at their exact times on the full model, then coast.
@@ -230,12 +273,15 @@ class SlewTask(Task):
             ],
             axis=-1,
         )
+        path = np.zeros(len(controls))
+        if self.pointing and self.judges_path:
+            path = self.watch(flown).violation
         speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
         return Verdict(
             found,
             tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2))),
-            np.maximum(0.0, speed.max(axis=(1, 2), initial=-1.0)),
+            np.maximum(path, speed.max(axis=(1, 2), initial=0.0) * self.judges_path),
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
@@ -248,6 +294,10 @@ class SlewTask(Task):
         wheels = np.abs(self.body_torque(controls)).sum(axis=(-2, -1))
         pushes = np.abs(self.mounting.to_external).sum(axis=0)
         return np.asarray((wheels + (np.abs(controls) @ pushes).sum(axis=-1)) * self.step)
+
+    def watch(self, flown: Trajectory) -> Watch:
+        """Cones and rates along flights (S, ...), between the nodes too, to the horizon's end."""
+        return self.lookout.watch(flown, self.intervals)
 
     def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
         """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""

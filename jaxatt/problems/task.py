@@ -70,14 +70,17 @@ class Verdict:
     MARGIN_TOLERANCE = 1e-6
 
     @property
-    def reached(self) -> npt.NDArray[np.bool_]:
-        """(S,) whether every error, limit and path constraint is within tolerance."""
-        ok = (self.limit_violation <= self.LIMIT_TOLERANCE) & (
-            self.margin_violation <= self.MARGIN_TOLERANCE
-        )
+    def arrives(self) -> npt.NDArray[np.bool_]:
+        """(S,) whether every error and control limit is within tolerance, whatever the way."""
+        ok = self.limit_violation <= self.LIMIT_TOLERANCE
         for name, error in self.errors.items():
             ok &= error <= self.tolerances[name]
         return ok
+
+    @property
+    def reached(self) -> npt.NDArray[np.bool_]:
+        """(S,) whether every error, limit and path constraint is within tolerance."""
+        return self.arrives & (self.margin_violation <= self.MARGIN_TOLERANCE)
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Verdict:
         """Verdicts of some of the controls."""

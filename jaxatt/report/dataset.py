@@ -74,6 +74,17 @@ def _coordinates(leg: Leg) -> dict[str, _Variable]:
         ),
         "start": (("start",), np.arange(len(leg.starts.status)), {"long_name": "start"}),
     }
+    if leg.pointing is not None:
+        cones = [e for e in leg.pointing.extremes if e.kind != "body-rate"]
+        words = {"units": "s", "long_name": "every Runge-Kutta step, from the leg's start"}
+        coordinates["fine_time"] = (("fine_time",), leg.pointing.time, words)
+        coordinates["cone"] = (("cone",), [e.name for e in cones], {"long_name": "cone"})
+        coordinates["cone_kind"] = (("cone",), [e.kind for e in cones], {"long_name": "kind"})
+        coordinates["cone_half_angle"] = (
+            ("cone",),
+            [e.allowed for e in cones],
+            {"units": "rad", "long_name": "half angle"},
+        )
     if "q_ob" in leg.series:
         wheels = leg.series["omega_bw"].shape[1]
         coordinates["axis"] = (("axis",), ["x", "y", "z"], {"long_name": "body axis"})
@@ -137,6 +148,11 @@ def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:
             "rate_error": (valves.errors["rate"], (), "rad/s", "rate error with valves"),
         }
         variables |= {f"quantised_{name}": _labelled(*rest) for name, rest in flown.items()}
+    if leg.pointing is not None:
+        record = leg.pointing
+        variables["cone_angle"] = _labelled(
+            record.angles, ("fine_time", "cone"), "rad", "angle of boresight and direction"
+        )
     return variables | _starts(leg) | _time_optimum(leg)
 
 

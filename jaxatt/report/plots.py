@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from jaxatt.report import panels, time_panels
 from jaxatt.report.figure import Picture, picture, save
 from jaxatt.report.files import filling
+from jaxatt.report.pointing_plot import pointing_figure
 from jaxatt.report.result import Result
 from jaxatt.report.starts_panel import starts_panel
 from jaxatt.report.timeline import timeline
@@ -61,6 +62,8 @@ def figures(result: Result) -> dict[str, Picture]:
         panel(axes, result)
         panels.shade(axes, result)
         axes.set_xlabel("time [s]")
+    if any(leg.pointing is not None and leg.pointing.angles.size for leg in result.legs):
+        made["pointing"] = pointing_figure(result)
     legs = len(result.legs)
     made["starts"] = picture(5.5 * legs, 4.0, result.scenario.title)
     _starts(list(made["starts"].subplots(1, legs, squeeze=False)[0]), result)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from jaxatt.problems.pointing_watch import Extreme
 from jaxatt.report.time_optimum import TimeOptimum, control_effort
 from jaxatt.report.wording import indices_text, plural
 from jaxatt.scenarios.model import Scenario
@@ -75,6 +76,24 @@ class Valves:
 
 
 @dataclass(frozen=True, eq=False)
+class PointingRecord:
+    """How a leg kept to its cones and rate limits, at every Runge-Kutta step of its flight.
+
+    time : (T,) [s] from the leg's start, the coast included.
+    angles : (T, m) [rad], of m cones.  boresights, directions : (T, m, 3), in inertial axes.
+    extremes : the worst instant before the end of the horizon, one a cone, then of the rate.
+    guard : by how much the search took the cones stricter than they are, (m,) [rad].
+    """
+
+    time: Floats
+    angles: Floats
+    boresights: Floats
+    directions: Floats
+    extremes: tuple[Extreme, ...]
+    guard: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Leg:
     """One optimisation, flown again.
 
@@ -97,6 +116,7 @@ class Leg:
     alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
     quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
         other way; empty without thrusters, or where it asks for none.
+    pointing : None without cones and rate limits.
     time_optimum : where time was minimised, what is particular to that; None otherwise.
     """
 
@@ -121,6 +141,7 @@ class Leg:
     starts: StartsRecord
     alternative: Leg | None = None
     quantised: tuple[Valves, ...] = ()
+    pointing: PointingRecord | None = None
     time_optimum: TimeOptimum | None = None
 
     @property

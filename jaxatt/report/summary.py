@@ -19,6 +19,7 @@ import numpy as np
 from jaxatt.optimize.status import Status
 from jaxatt.report.files import replacing
 from jaxatt.report.result import Leg, Result, StartsRecord, Valves
+from jaxatt.report.wording import LIMITS
 
 _ERRORS = {
     "attitude_error_deg": ("attitude", math.degrees(1.0)),
@@ -128,6 +129,7 @@ def _leg(leg: Leg) -> dict[str, Any]:
         "kkt": None if optimum is None else optimum.kkt,
         "time_optimum": None if optimum is None else optimum.to_dict(),
         "quantised": valves_summary(leg.quantised[0]) if leg.quantised else None,
+        "pointing": _pointing(leg),
         "obstacle": leg.obstacle,
         "starts": starts_summary(leg.starts),
     }
@@ -147,6 +149,24 @@ def valves_summary(valves: Valves) -> dict[str, Any]:
         "partially_open_samples": valves.partly_open,
         "opposed_firings": valves.opposed,
     }
+
+
+def _pointing(leg: Leg) -> list[dict[str, Any]]:
+    """Every cone and limited rate at its worst instant; `time_s` from the leg's start."""
+    found = []
+    for e in () if leg.pointing is None else leg.pointing.extremes:
+        name, unit = LIMITS[e.kind]
+        found.append(
+            {
+                "name": e.name,
+                "kind": e.kind,
+                f"{name}_{unit}": math.degrees(e.value),
+                f"allowed_{unit}": math.degrees(e.allowed),
+                "time_s": e.time,
+                "satisfied": e.satisfied,
+            }
+        )
+    return found
 
 
 def _other_way(legs: Sequence[Leg]) -> dict[str, Any] | None:
@@ -184,6 +204,9 @@ def _together(legs: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, An
         index + number * intervals
         for number, leg in enumerate(legs)
         for index in leg["active_interval_indices"]
+    ]
+    together["pointing"] = [
+        {"leg": number + 1, **entry} for number, leg in enumerate(legs) for entry in leg["pointing"]
     ]
     valves = [leg["quantised"] for leg in legs]
     together["quantised"] = None if None in valves else _valves_together(valves)

@@ -14,7 +14,7 @@ from rich.text import Text
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import do_nothing_cost, summary
 from jaxatt.report.time_rows import time_rows
-from jaxatt.report.wording import OBJECTIVES, indices_text, short
+from jaxatt.report.wording import LIMITS, OBJECTIVES, indices_text, limit_label, limit_text, short
 
 _Block = Mapping[str, Any]
 
@@ -227,6 +227,10 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
         ("waypoint error [deg]", _error(first, "waypoint", "waypoint_error_deg")),
         ("state error", _error(first, "state", "state_error")),
         ("after quantisation", _quantised),
+        *(
+            (limit_label(extreme.kind, extreme.name), _limit(index))
+            for index, extreme in enumerate(first.pointing.extremes if first.pointing else ())
+        ),
         (
             f"over the limit{'' if toy else ' [N m]'}",
             lambda b: short(b["max_torque_violation_Nm"]),
@@ -240,6 +244,22 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
         ]
     rows.append(("starts", _starts))
     return rows
+
+
+def _limit(index: int) -> Callable[[_Block], str | Text]:
+    """How a block kept to one cone or rate limit; of legs together each says it for itself."""
+
+    def show(block: _Block) -> str | Text:
+        entries = block["pointing"]
+        if index >= len(entries) or "leg" in entries[index]:
+            return ""
+        kind, met = entries[index]["kind"], entries[index]["satisfied"]
+        word, unit = LIMITS[kind]
+        value, allowed = entries[index][f"{word}_{unit}"], entries[index][f"allowed_{unit}"]
+        text = limit_text(kind, value, allowed, entries[index]["time_s"], met)
+        return Text(text, style="" if met else "bold red")
+
+    return show
 
 
 def _status(block: _Block) -> Text:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+
+from jaxatt.problems.pointing_watch import Extreme
 
 OBJECTIVES = {
     "l0": "L0",
@@ -28,6 +31,36 @@ def indices_text(indices: Sequence[int]) -> str:
         texts += [f"{run[0]}-{run[-1]}"] if len(run) > 2 else [str(index) for index in run]
     more = len(texts) - _SHOWN_RUNS
     return ", ".join(texts[:_SHOWN_RUNS]) + (f" and {more} more" if more > 0 else "")
+
+
+LIMITS = {
+    "keep-out": ("nearest", "deg"),
+    "keep-in": ("farthest", "deg"),
+    "body-rate": ("fastest", "deg_s"),
+}
+"""Kind of a limit on the way -> what its worst instant is called, and its unit in names."""
+
+
+def limit_label(kind: str, name: str) -> str:
+    """What a cone or rate limit is called, e.g. "keep-out sun"."""
+    return name if kind == "body-rate" else f"{kind} {name}"
+
+
+def limit_text(kind: str, value: float, allowed: float, time: float, satisfied: bool) -> str:
+    """How near a flight came to a limit in degrees, e.g. "nearest 34.1 deg, allowed 30 deg"."""
+    word, unit = LIMITS[kind]
+    unit = unit.replace("_", "/")
+    # Enough digits to tell a small violation from none.
+    digits = 4 if satisfied else 7
+    ends = f"{value:.{digits}g} {unit} at {time:.3g} s, allowed {allowed:.4g} {unit}"
+    return f"{word} {ends}"
+
+
+def broken_limit(extreme: Extreme) -> str:
+    """A limit that a flight breaks, in words."""
+    e = extreme
+    text = limit_text(e.kind, math.degrees(e.value), math.degrees(e.allowed), e.time, e.satisfied)
+    return f"{limit_label(e.kind, e.name)} is broken: {text}"
 
 
 def short(value: float | None, digits: int = 4) -> str:

@@ -6,12 +6,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.environment import MU_EARTH, KeplerianElements
-from jaxatt.environment.table import Surroundings
+from jaxatt.environment.table import Surroundings, environment_at
 from jaxatt.problems.slew_case import Aim, Departure, Grid, Passage
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
 from jaxatt.problems.toy import ToyTask
 from jaxatt.scenarios.model import SPACECRAFT, Orbit, Scenario
+from jaxatt.scenarios.pointing import Moment
 from jaxatt.scenarios.windows import forbidden_mask, window_weights
 
 
@@ -42,6 +43,21 @@ def surroundings_of(scenario: Scenario) -> Surroundings:
         jnp.asarray(disturbances.sinusoidal_torque),
         jnp.asarray(disturbances.sinusoidal_frequency),
     )
+
+
+def moments_of(scenario: Scenario) -> list[Moment]:
+    """Start, waypoint and targets of a spacecraft's scenario, with the orbit frame then."""
+    horizon, initial, passing = scenario.horizon, scenario.initial, scenario.waypoint
+    asked = [("start", 0.0, initial.q_ob, initial.omega_ob)]
+    if passing is not None:
+        asked.append(("waypoint", passing.time, passing.q_ob, np.zeros(3)))
+    for index, target in enumerate(scenario.targets):
+        label = "target" if len(scenario.targets) == 1 else f"target of leg {index + 1}"
+        asked.append((label, (index + 1) * horizon.duration, target.q_ob, target.omega_ob))
+    times = jnp.asarray([time for _, time, _, _ in asked])
+    around = environment_at(surroundings_of(scenario), times)
+    frames = zip(np.asarray(around.orbit_attitude), np.asarray(around.orbit_rate), strict=True)
+    return [Moment(*known, *frame) for known, frame in zip(asked, frames, strict=True)]
 
 
 def goal_of(scenario: Scenario) -> Goal:
@@ -104,4 +120,5 @@ def build_task(
         passage=None if passing is None else Passage(passing.q_ob, passing.node, passing.tolerance),
         axes=scenario.control.axes,
         enforce_speed_limits=enforce_speed_limits,
+        pointing=scenario.pointing,
     )

@@ -38,6 +38,10 @@ def flight_from_mapping(
     notes: list[str] = []
     vehicle = read_vehicle(data["vehicle"], origin, folder, notes)
     orbit = settings.read_orbit(data["orbit"], origin) if "orbit" in data else None
+    if orbit is not None and orbit.days is not None:
+        raise ScenarioError(
+            f"{origin}: [orbit] epoch: a flight has it under [environment]; move it"
+        )
     around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
     initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes)
     asked = flight_tables.read_reference(data.get("reference", {}), origin, initial, notes)

@@ -10,10 +10,12 @@ from typing import Any
 
 from jaxatt.scenarios import manoeuvre, settings, time_optimal
 from jaxatt.scenarios.attitudes import replaced_by
+from jaxatt.scenarios.build import moments_of
 from jaxatt.scenarios.documents import read_file
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import check_free_time
 from jaxatt.scenarios.model import SPACECRAFT, TIME_KINDS, TOY_SYSTEMS, Scenario
+from jaxatt.scenarios.pointing import check_moments, read_pointing
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
 from jaxatt.scenarios.valves import check_thrusters
 from jaxatt.scenarios.vehicles import read_vehicle
@@ -106,7 +108,7 @@ def from_mapping(
     printed = plain.get("printed", {})
     if not isinstance(printed, dict):
         top.fail("printed", "is not a table", "write [printed] and its keys below")
-    return Scenario(
+    scenario = Scenario(
         name=name,
         title=top.text("title", name),
         source=top.text("source", "not stated"),
@@ -130,7 +132,11 @@ def from_mapping(
         transcription=time_optimal.read_transcription(
             plain.get("transcription", {}), origin, objective
         ),
+        pointing=read_pointing(plain, origin, orbit is not None, orbit.days if orbit else None),
     )
+    if scenario.pointing:
+        check_moments(scenario.pointing, moments_of(scenario), origin)
+    return scenario
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from jaxatt.problems.pointing_case import FREE, Pointing
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 
@@ -19,7 +20,10 @@ TIME_KINDS = ("time-effort", "minimum-time")
 
 @dataclass(frozen=True)
 class Orbit:
-    """Keplerian elements at the start: [m], [1], [rad], [rad], [rad], [rad], [m^3/s^2]."""
+    """Keplerian elements at the start: [m], [1], [rad], [rad], [rad], [rad], [m^3/s^2].
+
+    days : the start, days since J2000; None where nothing asks for the date.
+    """
 
     semi_major_axis: float
     eccentricity: float
@@ -28,6 +32,7 @@ class Orbit:
     argument_of_periapsis: float
     true_anomaly: float
     gravitational_parameter: float
+    days: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,6 +216,8 @@ class Scenario:
         What was changed while reading, e.g. a quaternion that was normalised.
     transcription : Transcription
         Of `TIME_KINDS` only.
+    pointing
+        Cones to keep out of or within, and limits on the body's rate.
     document, origin, folder
         The TOML document, where it came from and its folder, so that `replace` can read it again.
     """
@@ -236,3 +243,4 @@ class Scenario:
     origin: str = field(repr=False)
     folder: Path | None = field(repr=False)
     transcription: Transcription = Transcription()
+    pointing: Pointing = FREE

@@ -26,6 +26,14 @@ _HORIZON = (
     "longest_s",
 )
 _WINDOW = ("first_interval", "last_interval", "start_s", "end_s", "weight", "forbidden")
+_CONE = (
+    "name",
+    "boresight",
+    "half_angle_deg",
+    "direction_inertial",
+    "direction_orbit",
+    "toward",
+)
 _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
 
@@ -57,6 +65,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "argument_of_periapsis_deg",
         "true_anomaly_deg",
         "gravitational_parameter_m3_s2",
+        "epoch",
     ),
     "initial": (*ATTITUDE_KEYS, "rate_rad_s", "wheel_speed_rad_s"),
     "target": _TARGET,
@@ -85,6 +94,9 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
     ),
     "transcription": ("attitude", "integration"),
     "windows": _WINDOW,
+    "keep_out": _CONE,
+    "keep_in": _CONE,
+    "limits": ("body_rate_deg_s",),
     "solver": _SOLVER,
     "printed": (),
 }
@@ -105,6 +117,7 @@ UNITS = {
     "_m3_s2": "m^3/s^2",
     "_rad_s": "rad/s",
     "_kgm2": "kg m^2",
+    "_deg_s": "degrees a second",
     "_deg": "degrees",
     "_rad": "radians",
     "_km": "kilometres",

@@ -36,6 +36,7 @@ class Trajectory:
     omega_bw : (..., nodes, n) [rad/s].  omega_ib : (..., nodes, 3) [rad/s].
     wheel_torque : (..., nodes - 1, n) [N m], mean over each interval.
     thrust : (..., nodes - 1, m) [N m], torque of each thruster, mean over each interval.
+    fine : the same flight at every Runge-Kutta step, where something is watched between the nodes.
     """
 
     q_ob: Array
@@ -44,6 +45,7 @@ class Trajectory:
     omega_ib: Array
     wheel_torque: Array
     thrust: Array
+    fine: Trajectory | None = None
 
 
 Hold = Callable[[Array, AttitudeState, Environment, Any], tuple[Array, Any]]
@@ -114,6 +116,24 @@ def trajectory(
     count = craft.wheels.count
     return Trajectory(
         nodes.q_ob, omega_ob, nodes.omega_bw, nodes.omega_ib, torque[:, :count], torque[:, count:]
+    )
+
+
+def at_nodes(fine: Trajectory, every: int) -> Trajectory:
+    """Flights (S, ...) sampled at every so many of their steps, which they keep beside."""
+
+    def mean(torque: Array) -> Array:
+        *lanes, steps, size = torque.shape
+        return torque.reshape(*lanes, steps // every, every, size).mean(axis=-2)
+
+    return Trajectory(
+        fine.q_ob[..., ::every, :],
+        fine.omega_ob[..., ::every, :],
+        fine.omega_bw[..., ::every, :],
+        fine.omega_ib[..., ::every, :],
+        mean(fine.wheel_torque),
+        mean(fine.thrust),
+        fine,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from jaxatt.problems.pointing import PointingLimits, cone_angles, pointing_margins
+from jaxatt.problems.pointing import PointingLimits, cone_angles, cone_margin, pointing_margins
 
 
 def unit(vectors):
@@ -42,7 +42,8 @@ def test_margins_are_those_of_plain_rotations(rates):
     q, omega, directions, half, limits = drawn(3, rates=rates)
     found = jax.vmap(pointing_margins, in_axes=(0, 0, 0, None))(q, omega, directions, limits)
     angle = plain_angles(q, directions, np.array(limits.boresights))
-    cones = np.asarray(limits.senses) * (np.cos(angle) - np.cos(half)) / np.sin(half)
+    chord, border = (np.sqrt(4.0 * np.sin(a / 2.0) ** 2 + 0.02**2) for a in (angle, half))
+    cones = np.asarray(limits.senses) * (border - chord) * border / np.sin(half)
     expected = [cones]
     if rates:
         relative = omega / np.asarray(limits.rate_limit)
@@ -88,3 +89,11 @@ def test_the_gradient_is_finite_even_in_the_middle_of_a_cone():
     at = jnp.array([1.0, 0.0, 0.0, 0.0])
     slope = jax.jacobian(pointing_margins)(at, jnp.zeros(3), directions, limits)
     assert jnp.isfinite(slope).all()
+
+
+def test_a_margin_is_the_angle_left_near_the_cone():
+    rng = np.random.default_rng(8)
+    half = rng.uniform(0.01, 3.1, 20)
+    for sense in (-1.0, 1.0):
+        near = cone_margin(np.cos(half + sense * 1e-5), np.cos(half), -sense)
+        np.testing.assert_allclose(near, np.full(20, 1e-5), rtol=5e-3)

@@ -29,8 +29,11 @@ def space_of(scenario):
     )
 
 
-def refly(scenario, result):
-    """Flights of all legs, each from the end that this reference flew of the one before."""
+def refly(scenario, result, pieces=1):
+    """Flights of all legs, each from the end that this reference flew of the one before.
+
+    pieces : samples an interval.
+    """
     initial = scenario.initial
     state = (initial.q_ob, initial.omega_ob, initial.omega_bw)
     flights = []
@@ -38,12 +41,24 @@ def refly(scenario, result):
         controls = leg.controls
         if scenario.control.axes == "body":
             controls = controls @ np.linalg.pinv(np.asarray(scenario.vehicle.wheels.axes)).T
+        cut, step = np.repeat(controls, pieces, axis=0), leg.step / pieces
         flight = wheeled_body.fly(
-            body_of(scenario), space_of(scenario), *state, controls, leg.step, leg.start_time
+            body_of(scenario), space_of(scenario), *state, cut, step, leg.start_time
         )
         state = (flight.q[-1], flight.relative[-1], flight.speeds[-1])
         flights.append((controls, flight))
     return flights
+
+
+def cone_angle(flight, boresight, direction):
+    """Angles [rad] at all samples between a body-fixed boresight and an inertial direction."""
+    pointed = np.array(
+        [
+            wheeled_body.orbit_frame(r, v) @ wheeled_body.rotation(q) @ boresight
+            for r, v, q in zip(flight.r, flight.v, flight.q, strict=True)
+        ]
+    )
+    return np.arccos(np.clip(pointed @ direction, -1.0, 1.0))
 
 
 def assert_reached(scenario, result, attitude_deg=0.01, rate=1e-5, waypoint_deg=0.1):

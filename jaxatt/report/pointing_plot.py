@@ -1,0 +1,116 @@
+"""Figure of pointing limits: every cone's angle over time, and its boresight's path on a map."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from jaxatt.report.figure import COAST, Picture, colour, picture, tidy
+from jaxatt.report.result import Floats, PointingRecord, Result
+from jaxatt.report.wording import limit_label
+
+_RING = 361
+
+
+def pointing_figure(result: Result) -> Picture:
+    """Angles above, maps in inertial axes below; one column a cone."""
+    count = max(leg.pointing.angles.shape[1] for leg in result.legs if leg.pointing is not None)
+    figure = picture(max(8.0, 5.2 * count), 7.0, result.scenario.title)
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 1.15))[:, 0]
+    upper = above.subplots(1, count, squeeze=False)[0]
+    lower = below.subplots(1, count, squeeze=False, subplot_kw={"projection": "mollweide"})[0]
+    for index in range(count):
+        _angles(upper[index], result, index)
+        _map(lower[index], result, index)
+    return figure
+
+
+def _angles(axes: Axes, result: Result, index: int) -> None:
+    """Angle of one cone over time, what it forbids shaded."""
+    end = 0.0
+    for leg in result.legs:
+        record = leg.pointing
+        assert record is not None
+        time = leg.start_time + record.time
+        if leg is not result.legs[-1]:
+            time = time[time <= leg.start_time + leg.step * len(leg.active) + 1e-9]
+        axes.plot(time, np.degrees(record.angles[: len(time), index]), color=colour(0))
+        worst = record.extremes[index]
+        axes.plot(
+            leg.start_time + worst.time,
+            np.degrees(worst.value),
+            "o",
+            color=colour(1),
+            label=f"{np.degrees(worst.value):.4g} deg" if leg is result.legs[0] else None,
+        )
+        end = leg.start_time + leg.step * len(leg.active)
+    allowed = np.degrees(worst.allowed)
+    low, high = axes.get_ylim()
+    out = worst.kind == "keep-out"
+    low, high = (max(0.0, min(low, allowed - 10.0)), max(high, allowed + 10.0))
+    axes.axhspan(
+        low if out else allowed,
+        allowed if out else high,
+        facecolor="#D55E00",
+        alpha=0.18,
+        linewidth=0,
+        label="forbidden",
+    )
+    if time[-1] > end * (1 + 1e-9):
+        axes.axvspan(end, time[-1], facecolor=COAST, zorder=0, linewidth=0, label="coasting")
+    axes.set_ylim(low, min(180.0, high))
+    axes.set_xlim(0.0, time[-1])
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("angle [deg]")
+    axes.set_title(limit_label(worst.kind, worst.name), fontsize="medium")
+    tidy(axes)
+    axes.legend(frameon=False, fontsize=8)
+
+
+def _map(axes: Axes, result: Result, index: int) -> None:
+    """Path of a boresight in inertial axes with the cone where it is met most closely."""
+    for leg in result.legs:
+        record = leg.pointing
+        assert record is not None
+        count = int(np.searchsorted(record.time, leg.step * len(leg.active) + 1e-9))
+        _curve(axes, record.boresights[:count, index], "-", 0, "boresight")
+        for step, mark, words in ((0, "o", "start"), (count - 1, "s", "end")):
+            _points(axes, record.boresights[step : step + 1, index], mark, 0, words)
+        _cone(axes, record, index)
+    axes.grid(True, color="#E6E6E6", linewidth=0.6)
+    axes.tick_params(labelsize=7)
+    handles, labels = axes.get_legend_handles_labels()
+    kept = dict(zip(labels, handles, strict=True))
+    axes.legend(kept.values(), kept.keys(), frameon=False, fontsize=8, loc="lower right")
+
+
+def _cone(axes: Axes, record: PointingRecord, index: int) -> None:
+    worst = record.extremes[index]
+    step = int(np.argmin(np.abs(record.time - worst.time)))
+    d = record.directions[step, index]
+    across = np.cross(d, np.eye(3)[np.argmin(np.abs(d))])
+    across /= np.linalg.norm(across)
+    turn = np.linspace(0.0, 2.0 * np.pi, _RING)[:, None]
+    ring = np.cos(worst.allowed) * d + np.sin(worst.allowed) * (
+        np.cos(turn) * across + np.sin(turn) * np.cross(d, across)
+    )
+    _curve(axes, ring, "--", 1, limit_label(worst.kind, worst.name))
+    _points(axes, d[None], "*", 1, "direction")
+
+
+def _on_map(vectors: Floats) -> tuple[Floats, Floats]:
+    """Right ascension and declination [rad] of unit vectors (n, 3)."""
+    return np.arctan2(vectors[:, 1], vectors[:, 0]), np.arcsin(np.clip(vectors[:, 2], -1.0, 1.0))
+
+
+def _curve(axes: Axes, vectors: Floats, style: str, index: int, label: str) -> None:
+    longitude, latitude = _on_map(vectors)
+    # A line must not cross the whole map where it leaves it at one side.
+    jumps = np.flatnonzero(np.abs(np.diff(longitude)) > np.pi) + 1
+    longitude, latitude = (np.insert(part, jumps, np.nan) for part in (longitude, latitude))
+    axes.plot(longitude, latitude, style, color=colour(index), linewidth=1.5, label=label)
+
+
+def _points(axes: Axes, vectors: Floats, mark: str, index: int, label: str) -> None:
+    longitude, latitude = _on_map(vectors)
+    axes.plot(longitude, latitude, mark, color=colour(index), linestyle="none", label=label)

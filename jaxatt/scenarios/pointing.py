@@ -1,0 +1,175 @@
+"""Cones and rate limits of a scenario: [[keep_out]], [[keep_in]] and [limits]."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.attitude import quaternion
+from jaxatt.problems.pointing import cone_angles
+from jaxatt.problems.pointing_case import Cone, Pointing
+from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.schema import SPACECRAFT_TABLES
+from jaxatt.spacecraft.checks import Float64
+
+_DIRECTIONS = ("direction_inertial", "direction_orbit", "toward")
+_TINY = 1e-12
+_ROUNDING = 1e-9  # rad; a boresight on the cone itself is allowed
+
+
+class Moment(NamedTuple):
+    """An attitude that a scenario asks for, with what it is called in messages.
+
+    time : [s].  q_ob : (4,).  omega_ob : (3,) [rad/s].  q_io : (4,) and omega_io : (3,) [rad/s], of
+    the orbit frame then.
+    """
+
+    label: str
+    time: float
+    q_ob: Float64
+    omega_ob: Float64
+    q_io: Float64
+    omega_io: Float64
+
+
+def read_pointing(
+    document: dict[str, Any], origin: str, orbit: bool, days: float | None, where: str = "[orbit]"
+) -> Pointing:
+    """The checked cones and rate limits of a document.
+
+    orbit : whether there is one.  days : its epoch, days since J2000, or None.
+    where : the table that an epoch belongs into.
+    """
+    cones: list[Cone] = []
+    for key, kind in (("keep_out", "keep-out"), ("keep_in", "keep-in")):
+        tables = document.get(key, [])
+        if not isinstance(tables, list):
+            raise ScenarioError(
+                f"{origin}: {key}: must be a list of tables; write [[{key}]] with double brackets"
+            )
+        for index, data in enumerate(tables):
+            label = f"[[{key}]] no. {index + 1}"
+            table = Table(data, origin, label, SPACECRAFT_TABLES[key])
+            cone = _cone(table, kind, orbit, days, where)
+            if cone.name in (other.name for other in cones):
+                table.fail("name", "another cone has it", "give every cone a name of its own")
+            cones.append(cone)
+    _check_together(cones, origin)
+    return Pointing(tuple(cones), _rate_limit(document.get("limits", {}), origin), days)
+
+
+def _cone(table: Table, kind: str, orbit: bool, days: float | None, where: str) -> Cone:
+    name = table.text("name")
+    half = table.number("half_angle_deg", above=0.0, example="30.0")
+    if half >= 180.0:
+        table.fail("half_angle_deg", "must be less than 180", "give half of the cone's opening")
+    boresight = _unit(table, "boresight")
+    given = [key for key in _DIRECTIONS if key in table]
+    if len(given) != 1:
+        key = given[1] if given else "toward"
+        problem = f"given beside {given[0]}" if given else "no direction is given"
+        table.fail(key, problem, f"give exactly one of {', '.join(_DIRECTIONS)}")
+    frame, direction = "inertial", np.zeros(3)
+    if "direction_inertial" in table:
+        direction = _unit(table, "direction_inertial")
+    elif "direction_orbit" in table:
+        frame, direction = "orbit", _unit(table, "direction_orbit")
+    else:
+        toward = table.choice("toward", ("sun", "nadir"), "sun")
+        if not orbit:
+            table.fail("toward", "needs an orbit", "add [orbit], or give direction_inertial")
+        if toward == "sun" and days is None:
+            table.fail(
+                "toward",
+                "needs the date",
+                f'add a line such as epoch = "2026-06-21T12:00:00Z" under {where}',
+            )
+        frame = "sun" if toward == "sun" else "orbit"
+        direction = np.array([0.0, 0.0, 1.0])
+    return Cone(name, kind, boresight, math.radians(half), frame, direction)
+
+
+def _unit(table: Table, key: str) -> Float64:
+    vector = table.vector(key, 3)
+    norm = float(np.linalg.norm(vector))
+    if not norm > _TINY:
+        table.fail(key, "is zero, which is no direction", "give a vector such as [0.0, 0.0, 1.0]")
+    return np.asarray(vector / norm)
+
+
+def _rate_limit(data: Any, origin: str) -> Float64 | None:
+    table = Table(data, origin, "[limits]", SPACECRAFT_TABLES["limits"])
+    key = "body_rate_deg_s"
+    if key not in table:
+        return None
+    if isinstance(table.data[key], list):
+        limit = table.vector(key, 3)
+        if not (limit > 0.0).all():
+            table.fail(key, "must be greater than 0", "give three positive numbers, or one for all")
+    else:
+        limit = np.full(3, table.number(key, above=0.0))
+    return np.deg2rad(limit)
+
+
+def _between(a: Float64, b: Float64) -> float:
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+
+
+def _check_together(cones: Sequence[Cone], origin: str) -> None:
+    """Two keep-in cones in the same axes must be open to some attitude at once."""
+    inner = [cone for cone in cones if cone.kind == "keep-in"]
+    for i, first in enumerate(inner):
+        for second in inner[:i]:
+            if first.frame != second.frame:
+                continue
+            apart = _between(first.boresight, second.boresight)
+            wanted = _between(first.direction, second.direction)
+            if abs(apart - wanted) > first.half_angle + second.half_angle + _ROUNDING:
+                raise ScenarioError(
+                    f'{origin}: [[keep_in]] "{second.name}" and "{first.name}" exclude each other: '
+                    f"their boresights are {math.degrees(apart):.4g} deg apart, their directions "
+                    f"{math.degrees(wanted):.4g} deg, and the half angles leave "
+                    f"{math.degrees(first.half_angle + second.half_angle):.4g} deg; widen one or "
+                    "drop it"
+                )
+
+
+def check_moments(pointing: Pointing, moments: Sequence[Moment], origin: str) -> None:
+    """Raise a `ScenarioError` where a start, waypoint or target is itself against a limit."""
+    if not pointing or not moments:
+        return
+    times, q_io = (np.array([getattr(m, name) for m in moments]) for name in ("time", "q_io"))
+    directions = pointing.directions(times, q_io)
+    boresights = np.reshape([cone.boresight for cone in pointing.cones], (-1, 3))
+    for moment, toward in zip(moments, directions, strict=True):
+        q_ib = quaternion.multiply(moment.q_io, moment.q_ob)
+        angles = np.asarray(cone_angles(q_ib, jnp.asarray(toward), jnp.asarray(boresights)))
+        for cone, angle in zip(pointing.cones, angles, strict=True):
+            if cone.sense * (angle - cone.half_angle) > _ROUNDING:
+                _refuse(cone, float(angle), moment.label, origin)
+        rate = moment.omega_ob + np.asarray(quaternion.rotate_inverse(moment.q_ob, moment.omega_io))
+        _check_rate(pointing.rate_limit, rate, moment.label, origin)
+
+
+def _refuse(cone: Cone, angle: float, label: str, origin: str) -> None:
+    out = cone.kind == "keep-out"
+    key = cone.kind.replace("-", "_")
+    raise ScenarioError(
+        f'{origin}: [[{key}]] "{cone.name}" {"contains" if out else "excludes"} the {label}: the '
+        f"boresight is {math.degrees(angle):.5g} deg from the direction there, "
+        f"half_angle_deg = {math.degrees(cone.half_angle):.5g}; "
+        f"{'narrow' if out else 'widen'} the cone, or change the attitude"
+    )
+
+
+def _check_rate(limit: Float64 | None, rate: Float64, label: str, origin: str) -> None:
+    if limit is not None and (np.abs(rate) > limit * (1.0 + _ROUNDING)).any():
+        raise ScenarioError(
+            f"{origin}: [limits] body_rate_deg_s = {np.round(np.rad2deg(limit), 6).tolist()}: the "
+            f"{label} turns at {np.round(np.rad2deg(rate), 6).tolist()} deg/s relative to the "
+            "inertial frame; raise the limit or begin and end slower"
+        )
