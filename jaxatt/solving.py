@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,15 @@ from jaxatt.clock import compile_seconds
 from jaxatt.control.pd import PDLaw
 from jaxatt.control.schmitt import SchmittLaw
 from jaxatt.legs import leg_of
+from jaxatt.multistart.final_time import Timed, search_final_time
 from jaxatt.multistart.search import Found, Report, search
+from jaxatt.multistart.time_cost import Pricing
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
-from jaxatt.report.result import Leg, Result
+from jaxatt.report.result import FinalTimes, Leg, Result
 from jaxatt.scenarios.build import build_task
+from jaxatt.scenarios.valves import shortest_interval
 from jaxatt.simulation.flight import Trajectory, fly_held_law, fly_law
 
 GUESSES = ("pulses", "pd", "l1")
@@ -72,16 +76,12 @@ def solve(
     legs: list[Leg] = []
     state: Departure | None = None
     for index in range(len(scenario.targets)):
-        task = build_task(scenario, index, state, enforce_speed_limits=False)
-        start = _guess(scenario, index, state, task, guess)
-        count, chosen = scenario.solver.starts, scenario.solver.seed
-        found = search(task, count, chosen, start, inner, report)
-        if isinstance(task, SlewTask) and task.has_speed_limits and _limit_binds(found):
-            task = build_task(scenario, index, state)
-            found = search(task, count, chosen, start, inner, report)
+        start_time = sum(leg.final_time for leg in legs)
+        build = functools.partial(build_task, leg=index, departure=state, start_time=start_time)
+        task, found, tried = _search(scenario, build, guess, inner, report)
         resting_cost += found.resting_cost or 0.0
         flown = time.perf_counter()
-        leg, state = leg_of(scenario, task, found, index)
+        leg, state = leg_of(scenario, task, found, start_time, tried)
         legs.append(leg)
         verifying += time.perf_counter() - flown
     total = time.perf_counter() - began
@@ -110,6 +110,54 @@ def versions() -> Mapping[str, str]:
     return {name: importlib.metadata.version(name) for name in ("jaxatt", "jax", "jaxlib", "optax")}
 
 
+Build = Callable[..., Task]
+"""As `build_task`, of a given leg."""
+
+
+def _search(
+    scenario: scenarios.Scenario,
+    build: Build,
+    guess: str | Floats,
+    inner: str,
+    report: Report | None,
+) -> tuple[Task, Found, FinalTimes | None]:
+    """Task of a leg, what was found for it, and the final times that were tried."""
+    count, seed, horizon = scenario.solver.starts, scenario.solver.seed, scenario.horizon
+
+    def attempt(final_time: float) -> tuple[Task, Found]:
+        task = build(scenario, enforce_speed_limits=False, final_time=final_time)
+        start = _guess(scenario, build, task, guess)
+        found = search(task, count, seed, start, inner, report)
+        if isinstance(task, SlewTask) and task.has_speed_limits and _limit_binds(found):
+            task = build(scenario, enforce_speed_limits=True, final_time=final_time)
+            found = search(task, count, seed, start, inner, report)
+        return task, found
+
+    def rebuild(task: Task, final_time: float) -> Task:
+        enforced = isinstance(task, SlewTask) and task.form.speed_limited
+        return build(scenario, enforce_speed_limits=enforced, final_time=final_time)
+
+    if not horizon.free:
+        return *attempt(horizon.duration), None
+    shortest = max(horizon.shortest, shortest_interval(scenario.vehicle) * horizon.intervals)
+    pricing = Pricing(scenario.objective.time_weight, shortest, horizon.longest)
+    timed = search_final_time(attempt, rebuild, pricing, count, seed, report)
+    return timed.task, timed.found, _record(pricing, timed)
+
+
+def _record(pricing: Pricing, timed: Timed) -> FinalTimes:
+    trials = timed.trials
+    return FinalTimes(
+        time_weight=pricing.weight,
+        cost=timed.cost,
+        final_time=np.array([trial.final_time for trial in trials]),
+        costs=np.array([trial.cost for trial in trials]),
+        active_intervals=np.array([trial.active_intervals for trial in trials]),
+        reached=np.array([trial.reached for trial in trials]),
+        how=tuple(trial.how for trial in trials),
+    )
+
+
 def _limit_binds(found: Found) -> bool:
     """Whether path constraints that the search left out matter: then it was not enough."""
     exceeded = (found.starts.verdict.margin_violation > Verdict.MARGIN_TOLERANCE).any()
@@ -118,8 +166,7 @@ def _limit_binds(found: Found) -> bool:
 
 def _guess(
     scenario: scenarios.Scenario,
-    leg: int,
-    state: Departure | None,
+    build: Build,
     task: Task,
     guess: str | Floats,
 ) -> Floats | None:
@@ -136,7 +183,8 @@ def _guess(
     if guess == "pd" and isinstance(task, SlewTask):
         return flown_controls(task, fly_pd(task))
     if guess == "l1":
-        effort = build_task(scenarios.replace(scenario, {"objective.kind": "l1"}), leg, state)
+        l1 = scenarios.replace(scenario, {"objective.kind": "l1"})
+        effort = build(l1, final_time=task.final_time)
         found = search(effort, min(8, scenario.solver.starts), scenario.solver.seed)
         return found.best.controls[0]
     raise ValueError(f"guess = {guess!r}: unknown here; choose one of {', '.join(GUESSES)}")

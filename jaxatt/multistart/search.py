@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.multistart.bounded_search import search_bounded
+from jaxatt.multistart.bounded_search import from_bounded_starts, search_bounded
 from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
 from jaxatt.multistart.enumeration import from_pairs
 from jaxatt.multistart.local_search import improve
@@ -79,7 +79,7 @@ def search(
 
     if task.system.bounds is not None:
         found = search_bounded(task, count, seed, guess, method)
-        return _chosen(task, found.starts, found.pool)
+        return chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     ended = from_starts("l1" if task.goal.kind == "l1" else "l0")
@@ -103,10 +103,10 @@ def search(
         usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
         tried: set[bytes] = set()
         pool = join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
-    return _chosen(task, ended, pool)
+    return chosen(task, ended, pool)
 
 
-def _chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
+def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
     """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
     reached_first = task.goal.terminal == "reach"
     resting_cost = None
@@ -118,6 +118,17 @@ def _chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
     return Found(starts, best, reaching, _distinct(task, starts), resting_cost)
+
+
+def look(task: Task, count: int, seed: int) -> Candidates:
+    """What `count` starts find by themselves: nothing is rescued, moved or improved."""
+    decides = "l1" if task.goal.kind == "l1" else "l0"
+    rows = chunk_for(count)
+    if task.system.bounds is not None:
+        return from_bounded_starts(task, count, seed, None, lambda d, _: Method(d, rows=rows))
+    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability())
+    u, supports = decide(task, starts, Method(decides, rows=rows))
+    return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
 
 
 def _pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:

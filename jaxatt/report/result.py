@@ -74,6 +74,27 @@ class Valves:
 
 
 @dataclass(frozen=True, eq=False)
+class FinalTimes:
+    """The final times that were tried where it is free; leading axis K, in the order of trying.
+
+    time_weight : [1/s], cost of a second in active intervals.  cost : of the answer, with its time.
+    final_time : (K,) [s].  costs : (K,), infinite where nothing reached.  active_intervals,
+    reached : (K,), of the best answer there.  how : K words, see `jaxatt.multistart.time_cost`.
+    """
+
+    time_weight: float
+    cost: float
+    final_time: Floats
+    costs: Floats
+    active_intervals: npt.NDArray[np.int64]
+    reached: Flags
+    how: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"FinalTimes({plural(len(self.how), 'trial')}, cost {self.cost:.6g})"
+
+
+@dataclass(frozen=True, eq=False)
 class Leg:
     """One optimisation, flown again.
 
@@ -96,6 +117,7 @@ class Leg:
     alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
     quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
         other way; empty without thrusters, or where it asks for none.
+    final_times : the final times that were tried; None where it was fixed.
     """
 
     start_time: float
@@ -119,6 +141,12 @@ class Leg:
     starts: StartsRecord
     alternative: Leg | None = None
     quantised: tuple[Valves, ...] = ()
+    final_times: FinalTimes | None = None
+
+    @property
+    def final_time(self) -> float:
+        """Length of the leg's horizon [s]."""
+        return self.step * len(self.active)
 
     @property
     def active_intervals(self) -> int:

@@ -63,21 +63,27 @@ def build_task(
     leg: int = 0,
     departure: Departure | None = None,
     enforce_speed_limits: bool = True,
+    final_time: float | None = None,
+    start_time: float | None = None,
 ) -> Task:
     """Task of one leg of a scenario.
 
     leg : index into `scenario.targets`.  departure : where the leg begins, by default where the
     scenario does; successive legs hand over the flown end of the one before.
     enforce_speed_limits : False to leave wheel speed limits to the verdict.
+    final_time : [s] from the leg's start, by default the scenario's horizon.
+    start_time : [s] at which the leg starts, by default after as many horizons as there are legs
+    before it.
     """
     horizon, target, goal = scenario.horizon, scenario.targets[leg], goal_of(scenario)
+    duration = horizon.duration if final_time is None else final_time
     if scenario.system != SPACECRAFT:
         return ToyTask(
             scenario.system,
             scenario.initial.state,
             target.state,
             horizon.intervals,
-            horizon.step,
+            duration / horizon.intervals,
             scenario.control.limit,
             target.state_tolerance,
             goal,
@@ -93,9 +99,9 @@ def build_task(
         aim=Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
         grid=Grid(
             horizon.intervals,
-            horizon.step,
+            duration / horizon.intervals,
             horizon.coast_intervals,
-            leg * horizon.duration,
+            leg * horizon.duration if start_time is None else start_time,
             horizon.substeps,
         ),
         goal=goal,
