@@ -5,8 +5,8 @@ the final time at which torque limits bind, plus the price of the time.  So its 
 final time of some support, and the search is one over supports:
 
 1. A full search at the longest final time, and starts alone at a few shorter ones.
-2. The supports that promise most are each shortened to their least final time.
-3. Supports are exchanged for others that would cost less, see `least_time`.
+2. The cheapest support is shortened to its least final time.
+3. It is exchanged for others that would cost less, see `least_time`.
 4. All starts again at the final time found; if they find a cheaper support, once more from 2.
 
 Where the cost is smooth in the final time (L1, the printed costs), a few final times bracket the
@@ -25,19 +25,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxatt.multistart.candidates import Candidates, join, support_of
-from jaxatt.multistart.least_time import TOLERANCE, exchange, shorten
+from jaxatt.multistart.least_time import TOLERANCE, exchange, finish, shorten
 from jaxatt.multistart.polish import Method
 from jaxatt.multistart.search import Found, Report, chosen, look, search
 from jaxatt.multistart.time_cost import Ledger, Offer, Pricing, Rebuild, Trial, cheaper
 from jaxatt.problems.task import Task
-from jaxatt.simulation.chunks import chunk_for
 
 Attempt = Callable[[float], tuple[Task, Found]]
 """Final time [s] -> a task and all that a search finds there."""
 
 _SCAN = 8
 _SCAN_RATIO = 0.75
-_PROMISING = 3
+_ROWS = 8
+"""Supports in one compiled call: of most final times there is one to be tried."""
 _ROUNDS = 3
 _FEW = 8
 _GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -111,16 +111,18 @@ def _by_support(first: Offer, rebuild: Rebuild, ledger: Ledger, count: int, seed
         return first
     if ledger.pricing.weight == 0.0:
         return _first_of(reached)
-    method = Method("l0", rows=chunk_for(count))
-    best = _first_of([shorten(o, rebuild, method, ledger) for o in _promising(reached)])
-    best = exchange(best, rebuild, method, ledger)
+    method = Method("l0", rows=_ROWS)
+    others = [support_of(offer.task, offer.answer.controls[0]) for offer in reached]
+    best = shorten(_first_of(reached), rebuild, method, ledger)
+    best = exchange(best, others, rebuild, method, ledger)
     for _ in range(_ROUNDS):
         task = rebuild(first.task, best.final_time)
         again = ledger.offer(task, look(task, count, seed), "starts")
         if again.cost >= best.cost - TOLERANCE * ledger.pricing.weight * best.final_time:
             break
-        best = exchange(shorten(again, rebuild, method, ledger), rebuild, method, ledger)
-    return best
+        best = shorten(again, rebuild, method, ledger)
+        best = exchange(best, others, rebuild, method, ledger)
+    return finish(best, method, ledger)
 
 
 def _first_of(offers: list[Offer]) -> Offer:
@@ -128,15 +130,6 @@ def _first_of(offers: list[Offer]) -> Offer:
     for offer in offers[1:]:
         best = offer if cheaper(offer, best) else best
     return best
-
-
-def _promising(offers: list[Offer]) -> list[Offer]:
-    """The cheapest offers with supports of their own."""
-    seen: dict[bytes, Offer] = {}
-    for offer in sorted(offers, key=lambda o: o.cost):
-        support = support_of(offer.task, offer.answer.controls[0])
-        seen.setdefault(support.tobytes(), offer)
-    return list(seen.values())[:_PROMISING]
 
 
 def _by_cost(first: Offer, rebuild: Rebuild, ledger: Ledger, count: int, seed: int) -> Offer:

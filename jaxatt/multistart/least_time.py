@@ -9,13 +9,14 @@ one count share it and are tried side by side.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from jaxatt.multistart.bursts import burst_supports
 from jaxatt.multistart.candidates import support_of
 from jaxatt.multistart.polish import SCREENING, Method, polish
-from jaxatt.multistart.time_cost import Ledger, Offer, Rebuild
+from jaxatt.multistart.time_cost import Ledger, Offer, Rebuild, cheaper
 from jaxatt.optimize.status import Status
 from jaxatt.optimize.support import Mask, neighbours
 from jaxatt.problems.task import Task
@@ -64,29 +65,43 @@ def _on(
     faster = (like.final_time / final_time) ** 2
     u = task.from_controls(like.answer.controls) * faster
     both, supports = np.concatenate([u, np.zeros_like(u)]), np.stack([support, support])
-    ended = polish(task, both, supports, np.repeat(like.answer.sign, 2), method)
+    ended = polish(task, both, supports, np.repeat(like.answer.sign, 2), method, SCREENING)
     return ledger.offer(task, ended, "support")
 
 
-def exchange(offer: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> Offer:
+def exchange(
+    offer: Offer, others: Sequence[Mask], rebuild: Rebuild, method: Method, ledger: Ledger
+) -> Offer:
     """Change the support for as long as that pays, each one at its least final time.
 
-    Tried are supports with one interval dropped, moved or added, with one added to each side of
-    every burst, and two bursts of any length at the ends of the horizon.
+    Tried are `others`, supports with one interval dropped, moved or added, with one added to each
+    side of every burst, and two bursts of any length at the ends of the horizon.
     """
     best = offer
     for _ in range(_ROUNDS):
-        found = _exchanged(best, rebuild, method, ledger)
+        found = _exchanged(best, others, rebuild, method, ledger)
         if found is None:
             break
         best = shorten(found, rebuild, method, ledger)
     return best
 
 
-def _exchanged(best: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> Offer | None:
+def finish(offer: Offer, method: Method, ledger: Ledger) -> Offer:
+    """The same support at the same final time, its effort the least to the full tolerance."""
+    task, answer = offer.task, offer.answer
+    support = support_of(task, answer.controls[0])[None]
+    ended = polish(task, task.from_controls(answer.controls), support, answer.sign, method)
+    tried = ledger.offer(task, ended, "support")
+    return tried if cheaper(tried, offer) else offer
+
+
+def _exchanged(
+    best: Offer, others: Sequence[Mask], rebuild: Rebuild, method: Method, ledger: Ledger
+) -> Offer | None:
     weight = np.asarray(best.task.arguments.weight)[:, None]
     groups: dict[float, list[Mask]] = {}
-    for support in _changed(best.task, support_of(best.task, best.answer.controls[0])):
+    changed = _changed(best.task, support_of(best.task, best.answer.controls[0]))
+    for support in _different([*others, *changed]):
         groups.setdefault(round(float((weight * support).sum()), 9), []).append(support)
     for count in sorted(groups):
         final_time = _worth(count, best, ledger)
@@ -122,7 +137,11 @@ def _changed(task: Task, support: Mask) -> list[Mask]:
         sizes = range(1, int(allowed.sum()) + 1)
         shapes = [(size - last, last) for size in sizes for last in _halves(size)]
         found += list(burst_supports(task, shapes))
-    return list({mask.tobytes(): mask for mask in found}.values())
+    return found
+
+
+def _different(masks: Iterable[Mask]) -> list[Mask]:
+    return list({mask.tobytes(): mask for mask in masks}.values())
 
 
 def _halves(size: int) -> range:

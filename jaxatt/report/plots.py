@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from jaxatt.report import panels
 from jaxatt.report.figure import Picture, picture, save
 from jaxatt.report.files import filling
+from jaxatt.report.final_times import final_times_panels
 from jaxatt.report.result import Result
 from jaxatt.report.starts_panel import starts_panel
 from jaxatt.report.timeline import timeline
@@ -62,6 +63,11 @@ def figures(result: Result) -> dict[str, Picture]:
         panels.shade(axes, result)
         axes.set_xlabel("time [s]")
     legs = len(result.legs)
+    if any(leg.final_times is not None for leg in result.legs):
+        made["final_times"] = picture(5.5 * legs, 5.5, result.scenario.title)
+        grid = made["final_times"].subplots(2, legs, sharex="col", squeeze=False)
+        for index, leg in enumerate(result.legs):
+            final_times_panels(list(grid[:, index]), leg)
     made["starts"] = picture(5.5 * legs, 4.0, result.scenario.title)
     _starts(list(made["starts"].subplots(1, legs, squeeze=False)[0]), result)
     return made

@@ -1,9 +1,9 @@
 """A result in plain numbers under stable names, as `summary.json` holds it.
 
-Where a case has several legs, the top level adds up costs, counts, efforts and starts, shifts the
-interval indices of leg k (counted from zero) by k N, and takes errors and violations from the
-worst leg.  A name that does not apply holds null.  For the toy systems the names with N m hold
-values in the unit of their control.
+Where a case has several legs, the top level adds up costs, counts, efforts, times, starts, shifts
+the interval indices of leg k (counted from zero) by k N, and takes errors and violations from the
+worst leg; `step_s` is null where the legs' intervals differ in length.  A name that does not apply
+holds null.  For the toy systems the names with N m hold values in the unit of their control.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 from jaxatt.optimize.status import Status
 from jaxatt.report.files import replacing
+from jaxatt.report.final_times import final_times_summary
 from jaxatt.report.result import Leg, Result, StartsRecord, Valves
 
 _ERRORS = {
@@ -33,6 +34,7 @@ _SUMS = (
     "weighted_active_intervals",
     "active_outside_windows",
     "l1_effort_Nms",
+    "final_time_s",
 )
 _WORST = (*_ERRORS, "max_torque_violation_Nm", "max_complementarity_Nm")
 
@@ -118,6 +120,9 @@ def _leg(leg: Leg) -> dict[str, Any]:
         "max_torque_violation_Nm": leg.limit_violation,
         "max_complementarity_Nm": leg.max_complementarity,
         "l1_effort_Nms": leg.effort,
+        "final_time_s": leg.final_time,
+        "step_s": leg.step,
+        "final_times": final_times_summary(leg.final_times),
         "quantised": valves_summary(leg.quantised[0]) if leg.quantised else None,
         "obstacle": leg.obstacle,
         "starts": starts_summary(leg.starts),
@@ -176,6 +181,9 @@ def _together(legs: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, An
         for number, leg in enumerate(legs)
         for index in leg["active_interval_indices"]
     ]
+    steps = {leg["step_s"] for leg in legs}
+    together["step_s"] = steps.pop() if len(steps) == 1 else None
+    together["final_times"] = None
     valves = [leg["quantised"] for leg in legs]
     together["quantised"] = None if None in valves else _valves_together(valves)
     count = together["active_intervals"]

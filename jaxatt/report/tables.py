@@ -11,6 +11,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.report.final_times import cost_text, final_time_text
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import do_nothing_cost, summary
 from jaxatt.report.wording import OBJECTIVES, indices_text, short
@@ -205,6 +206,8 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
         ("obstacle", lambda b: str(b["obstacle"])),
         ("active intervals", _active),
         ("their indices", lambda b: indices_text(b["active_interval_indices"])),
+        ("final time [s]", final_time_text),
+        ("cost with its time", cost_text),
     ]
     if result.scenario.windows:
         rows += [
