@@ -17,7 +17,6 @@ from jaxatt.multistart.bursts import burst_supports
 from jaxatt.multistart.candidates import support_of
 from jaxatt.multistart.polish import SCREENING, Method, polish
 from jaxatt.multistart.time_cost import Ledger, Offer, Rebuild, cheaper
-from jaxatt.optimize.status import Status
 from jaxatt.optimize.support import Mask, neighbours
 from jaxatt.problems.task import Task
 
@@ -42,9 +41,7 @@ def shorten(offer: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> O
     while good.final_time - max(lowest, bad) > TOLERANCE * good.final_time:
         shorter = math.sqrt(bad * good.final_time) if bad else _GALLOP * good.final_time
         tried = _on(good, support, max(lowest, shorter), rebuild, method, ledger)
-        # Not an answer that only just reaches thanks to the target's tolerances.
-        exact = tried.answer.status[0] in (Status.CONVERGED, Status.FEASIBLE)
-        if exact and tried.cost <= good.cost:
+        if tried.cost <= good.cost:
             good = tried
         else:
             bad = tried.final_time
@@ -66,7 +63,7 @@ def _on(
     u = task.from_controls(like.answer.controls) * faster
     both, supports = np.concatenate([u, np.zeros_like(u)]), np.stack([support, support])
     ended = polish(task, both, supports, np.repeat(like.answer.sign, 2), method, SCREENING)
-    return ledger.offer(task, ended, "support")
+    return ledger.offer(task, ended, "support", exact=True)
 
 
 def exchange(
@@ -111,7 +108,8 @@ def _exchanged(
         masks = np.stack(groups[count])
         sign = np.repeat(best.answer.sign, len(masks))
         rest = np.zeros((len(masks), task.intervals, task.size))
-        tried = ledger.offer(task, polish(task, rest, masks, sign, method, SCREENING), "exchange")
+        ended = polish(task, rest, masks, sign, method, SCREENING)
+        tried = ledger.offer(task, ended, "exchange", exact=True)
         if tried.cost < best.cost:
             return tried
     return None

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from jaxatt.multistart.candidates import Candidates
+from jaxatt.optimize.status import Status
 from jaxatt.problems.task import Floats, Task
 
 Rebuild = Callable[[Task, float], Task]
@@ -95,16 +96,23 @@ class Ledger:
     progress: Callable[[int], None] | None = None
     trials: list[Trial] = field(default_factory=list)
 
-    def offer(self, task: Task, answers: Candidates, how: str) -> Offer:
-        """The cheapest of some answers, entered into the record; effort breaks ties."""
+    def offer(self, task: Task, answers: Candidates, how: str, exact: bool = False) -> Offer:
+        """The cheapest of some answers, entered into the record; effort breaks ties.
+
+        exact : whether only those count whose constraints held for the solver, and not those that
+        only just reach thanks to the target's tolerances.
+        """
         costs = self.pricing.costs(task, answers)
+        if exact:
+            met = np.isin(answers.status, (int(Status.CONVERGED), int(Status.FEASIBLE)))
+            costs = np.where(met, costs, np.inf)
         arrived = answers.verdict.reached
         keys = (answers.rank[:, 2], costs, np.where(arrived, 0.0, answers.verdict.shortfall))
         order = np.lexsort(keys if np.isinf(costs).all() else keys[:2])
         answer = answers.pick(order[0])
         made = Offer(task, answer, float(costs[order[0]]))
         count = int((np.abs(answer.controls[0]) > task.threshold).any(axis=1).sum())
-        reached = bool(answer.verdict.reached[0])
+        reached = bool(answer.verdict.reached[0] and not (exact and np.isinf(made.cost)))
         self.trials.append(Trial(made.final_time, made.cost, count, reached, how))
         if self.progress is not None:
             self.progress(1)

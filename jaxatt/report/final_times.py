@@ -92,8 +92,12 @@ def final_times_panels(axes: Sequence[Axes], leg: Leg) -> None:
     if np.isfinite(tried.cost):
         above.scatter(leg.final_time, tried.cost, **answer)
         below.scatter(leg.final_time, leg.active_intervals, **answer)
+        # What costs far more than the answer would leave no room for what competes with it.
+        above.set_ylim(0.0, 1.08 * min(3.0 * tried.cost, float(tried.costs[known].max())))
+        most = float(tried.active_intervals[known].max())
+        below.set_ylim(0.0, 1.08 * min(3.0 * leg.active_intervals + 4.0, most + 1.0))
     above.plot([], [], "o", color=colour(0), alpha=0.7, label="an answer reached")
-    above.plot([], [], color=colour(1), linewidth=0.8, alpha=0.6, label="none reached")
+    above.plot([], [], color=colour(1), linewidth=0.8, alpha=0.6, label="none of those tried did")
     above.set_ylabel("cost")
     above.legend(fontsize=8, frameon=False, loc="best")
     below.set_ylabel("active intervals")
