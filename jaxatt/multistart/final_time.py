@@ -151,6 +151,8 @@ def _by_cost(first: Offer, rebuild: Rebuild, ledger: Ledger, count: int, seed: i
         tried.append(at(time))
         if np.isfinite(tried[-2].cost) and np.isinf(tried[-1].cost):
             break
+    if first.task.goal.terminal == "penalty":
+        at(lowest)  # where a printed cost that prefers not to move is lowest
     times = sorted({longest, lowest, *(offer.final_time for offer in tried)})
     place = times.index(best.final_time)
     low, high = times[max(place - 1, 0)], times[min(place + 1, len(times) - 1)]

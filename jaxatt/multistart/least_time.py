@@ -63,7 +63,8 @@ def _on(
     u = task.from_controls(like.answer.controls) * faster
     both, supports = np.concatenate([u, np.zeros_like(u)]), np.stack([support, support])
     ended = polish(task, both, supports, np.repeat(like.answer.sign, 2), method, SCREENING)
-    return ledger.offer(task, ended, "support", exact=True)
+    # Doing nothing stays on a target that is the start within its tolerances only.
+    return ledger.offer(task, ended, "support", exact=bool(support.any()))
 
 
 def exchange(
