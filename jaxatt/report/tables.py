@@ -66,6 +66,8 @@ def comparison_table(
         errors = ("state error", "in tolerance")
     passing = any(row["waypoint_error_deg"] is not None for row in rows)
     errors += ("waypoint [deg]",) if passing else ()
+    timed = len({row["final_time_s"] for row in rows}) > 1
+    errors += ("final time [s]",) if timed else ()
     sparsity = any(row["printed"]["relative_sparsity_percent"] is not None for row in rows)
     found = _controllers(
         (
@@ -97,6 +99,8 @@ def comparison_table(
             worst = [short(row["attitude_error_deg"], 3), short(row["rate_error_rad_s"], 3)]
         if passing:
             worst.append(short(row["waypoint_error_deg"], 3))
+        if timed:
+            worst.append(short(row["final_time_s"]))
         judged.add_row(
             name,
             *worst,

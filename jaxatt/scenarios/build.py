@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxatt.environment import MU_EARTH, KeplerianElements
 from jaxatt.environment.table import Surroundings
-from jaxatt.problems.slew_case import Aim, Departure, Grid, Passage
+from jaxatt.problems.slew_case import Aim, Departure, Grid, Passage, automatic_substeps
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
 from jaxatt.problems.toy import ToyTask
@@ -91,10 +91,14 @@ def build_task(
         )
     assert scenario.vehicle is not None
     initial, passing = scenario.initial, scenario.waypoint
+    surroundings, substeps = surroundings_of(scenario), horizon.substeps
+    if horizon.free and substeps is None:
+        # As many as the longest interval needs: with the same number everywhere nothing recompiles.
+        substeps = automatic_substeps(horizon.longest / horizon.intervals, surroundings)
     moving = goal.kind == "moving-l0"
     return SlewTask(
         craft=scenario.vehicle,
-        surroundings=surroundings_of(scenario),
+        surroundings=surroundings,
         departure=departure or Departure(initial.q_ob, initial.omega_ob, initial.omega_bw),
         aim=Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
         grid=Grid(
@@ -102,7 +106,7 @@ def build_task(
             duration / horizon.intervals,
             horizon.coast_intervals,
             leg * horizon.duration if start_time is None else start_time,
-            horizon.substeps,
+            substeps,
         ),
         goal=goal,
         weight=window_weights(scenario) if moving else np.ones(horizon.intervals),

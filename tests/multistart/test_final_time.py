@@ -10,6 +10,7 @@ import pytest
 
 import jaxatt
 from jaxatt import scenarios
+from jaxatt.multistart import batch
 from jaxatt.multistart.least_time import TOLERANCE
 
 N, LONGEST = 40, 9.0
@@ -78,6 +79,13 @@ def test_fuel_and_time_are_traded_as_athans_and_falb_have_it(seed):
     assert leg.final_time == pytest.approx(smooth, rel=0.06)
     fuel = smooth - np.sqrt(smooth**2 - 4.0 * distance)
     assert leg.final_times.cost == pytest.approx((fuel + k * smooth) * N / LONGEST, rel=0.01)
+
+
+def test_another_distance_and_price_do_not_compile_anew():
+    jaxatt.solve(free(1.0, 2.0))
+    compiled = [run._cache_size() for run in (batch._effort_chunk, batch._sparsify_chunk)]
+    jaxatt.solve(free(2.5, 7.0))
+    assert [run._cache_size() for run in (batch._effort_chunk, batch._sparsify_chunk)] == compiled
 
 
 def test_dear_time_leads_to_the_least_time():

@@ -10,8 +10,10 @@ from handmade_results import assemble
 from jaxatt.report import plots
 from jaxatt.report.archive import open_archive, write_archive
 from jaxatt.report.dataset import to_dataset
+from jaxatt.report.rendering import as_text
 from jaxatt.report.result import FinalTimes
 from jaxatt.report.summary import summary, write_summary
+from jaxatt.report.tables import comparison_table
 
 TRIED = FinalTimes(
     time_weight=0.1,
@@ -75,6 +77,34 @@ def test_the_table_tells_the_final_time_only_where_it_was_free(make, timed):
     assert "final time [s]" in shown
     assert "64 (1.28 an" in shown
     assert "9.4 (3 final" in shown
+
+
+def test_a_comparison_tells_final_times_that_differ():
+    def table(*final_times):
+        printed = {"active_intervals": None, "active_outside_windows": None, "cpu_time_s": None}
+        row = {
+            "controller": "L0",
+            "reached": True,
+            "active_intervals": 2,
+            "active_interval_indices": (0, 49),
+            "weighted_active_intervals": 2.0,
+            "active_outside_windows": 2,
+            "attitude_error_deg": 1e-6,
+            "rate_error_rad_s": 1e-9,
+            "waypoint_error_deg": None,
+            "state_error": None,
+            "l1_effort_Nms": 6e-3,
+            "objective_total": 20.0,
+            "starts_reached": 8,
+            "starts": 8,
+            "time_s": 1.0,
+            "axes": "body",
+            "printed": printed | {"relative_sparsity_percent": None},
+        }
+        return as_text(comparison_table("case", [row | {"final_time_s": t} for t in final_times]))
+
+    assert "final time" not in table(70.0, 70.0)
+    assert "41.49" in table(70.0, 41.493)
 
 
 def test_legs_of_different_steps_share_a_dataset(timed, tmp_path):
