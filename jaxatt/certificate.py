@@ -199,7 +199,14 @@ def certify(
     legs: list[LegCertificate] = []
     departure: Departure | None = None
     for index, leg in enumerate(result.legs):
-        task = build_task(result.scenario, index, departure, enforce_speed_limits=False)
+        task = build_task(
+            result.scenario,
+            index,
+            departure,
+            enforce_speed_limits=False,
+            final_time=leg.final_time,
+            start_time=leg.start_time,
+        )
         legs.append(_certify_leg(task, leg, most, result.seed, report))
         departure = _end_of(leg)
     return Certificate(result, tuple(legs))

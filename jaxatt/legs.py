@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from jaxatt import scenarios
@@ -14,24 +16,28 @@ from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
-from jaxatt.report.result import Leg, PointingRecord, StartsRecord, Valves
+from jaxatt.report.result import FinalTimes, Leg, PointingRecord, StartsRecord, Valves
 from jaxatt.report.wording import broken_limit
 from jaxatt.simulation.flight import Trajectory
 
 
 def leg_of(
-    scenario: scenarios.Scenario, task: Task, found: Found, index: int
+    scenario: scenarios.Scenario,
+    task: Task,
+    found: Found,
+    start_time: float,
+    final_times: FinalTimes | None = None,
 ) -> tuple[Leg, Departure | None]:
     """The best answer of a search as a labelled leg, and where the next leg begins.
 
     Where the answer does not reach (as the printed cost may prefer), the best that does reach
     stands beside it.
     """
-    leg, state = _flown_leg(scenario, task, found, found.best, index)
+    leg, state = _flown_leg(scenario, task, found, found.best, start_time)
     if not leg.reached and found.reaching is not None:
-        alternative, _ = _flown_leg(scenario, task, found, found.reaching, index)
-        leg, state = _flown_leg(scenario, task, found, found.best, index, alternative)
-    return leg, state
+        alternative, _ = _flown_leg(scenario, task, found, found.reaching, start_time)
+        leg = replace(leg, alternative=alternative)
+    return replace(leg, final_times=final_times), state
 
 
 def _flown_leg(
@@ -39,8 +45,7 @@ def _flown_leg(
     task: Task,
     found: Found,
     answer: Candidates,
-    index: int,
-    alternative: Leg | None = None,
+    start_time: float,
 ) -> tuple[Leg, Departure | None]:
     controls = answer.controls
     window = np.asarray(scenarios.window_mask(scenario))
@@ -88,7 +93,7 @@ def _flown_leg(
     )
     reached = bool(verdict.reached[0])
     leg = Leg(
-        start_time=index * scenario.horizon.duration,
+        start_time=start_time,
         step=task.step,
         controls=controls[0],
         weight=np.asarray(task.arguments.weight),
@@ -107,7 +112,6 @@ def _flown_leg(
         obstacle="" if reached else _obstacle(task, answer, pointing),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
-        alternative=alternative,
         quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
         pointing=pointing,
     )

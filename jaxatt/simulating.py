@@ -105,8 +105,13 @@ def plan_of(flight: FlightScenario, report: Report | None = None) -> Plan:
     the manoeuvre does not reach its target.
     """
     scenario = scenarios.load(flight.asked.manoeuvre)
-    task = build_task(scenario)
     where = f'{flight.origin}: [reference] manoeuvre = "{flight.asked.manoeuvre}"'
+    if scenario.horizon.free:
+        raise ScenarioError(
+            f"{where}: its final time is free, so its intervals need not be a multiple of "
+            "sampling_s; name a manoeuvre with a fixed final time"
+        )
+    task = build_task(scenario)
     if not isinstance(task, SlewTask) or len(scenario.targets) > 1:
         raise ScenarioError(f"{where}: only a spacecraft's single manoeuvre can be followed")
     period = flight.timing.sampling

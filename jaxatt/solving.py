@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.metadata
 import time
 from collections.abc import Mapping
@@ -10,23 +11,18 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
-from jaxatt.control.pd import PDLaw
-from jaxatt.control.schmitt import SchmittLaw
+from jaxatt.leg_search import search_leg
 from jaxatt.legs import leg_of
-from jaxatt.multistart.limited_search import search_within_limits
-from jaxatt.multistart.search import Report, search
+from jaxatt.multistart.search import Report
 from jaxatt.problems.slew_case import Departure
-from jaxatt.problems.slew_task import SlewTask
-from jaxatt.problems.task import Floats, Task
+from jaxatt.problems.task import Floats
 from jaxatt.report.result import Leg, Result
 from jaxatt.scenarios.build import build_task
-from jaxatt.simulation.flight import Trajectory, fly_held_law, fly_law
-
-GUESSES = ("pulses", "pd", "l1")
+from jaxatt.scenarios.model import TIME_KINDS
+from jaxatt.time_legs import time_leg
 
 
 def solve(
@@ -72,15 +68,21 @@ def solve(
     resting_cost = 0.0
     legs: list[Leg] = []
     state: Departure | None = None
-    for index in range(len(scenario.targets)):
-        task = build_task(scenario, index, state, enforce_speed_limits=False)
-        start = _guess(scenario, index, state, task, guess)
-        count, chosen = scenario.solver.starts, scenario.solver.seed
-        limited = search_within_limits(task, count, chosen, start, inner, report)
-        task, found = limited.task, limited.found
+    if scenario.objective.kind in TIME_KINDS:
+        if not isinstance(guess, str) or (guess, inner) != ("pulses", "auto"):
+            raise ValueError(
+                f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its own; "
+                "leave them out"
+            )
+        leg, verifying = time_leg(scenario, report)
+        legs.append(leg)
+    for index in range(0 if legs else len(scenario.targets)):
+        start_time = sum(leg.final_time for leg in legs)
+        build = functools.partial(build_task, leg=index, departure=state, start_time=start_time)
+        task, found, tried = search_leg(scenario, build, guess, inner, report)
         resting_cost += found.resting_cost or 0.0
         flown = time.perf_counter()
-        leg, state = leg_of(scenario, task, found, index)
+        leg, state = leg_of(scenario, task, found, start_time, tried)
         legs.append(leg)
         verifying += time.perf_counter() - flown
     total = time.perf_counter() - began
@@ -107,49 +109,3 @@ def solve(
 def versions() -> Mapping[str, str]:
     """Versions of what made a result."""
     return {name: importlib.metadata.version(name) for name in ("jaxatt", "jax", "jaxlib", "optax")}
-
-
-def _guess(
-    scenario: scenarios.Scenario,
-    leg: int,
-    state: Departure | None,
-    task: Task,
-    guess: str | Floats,
-) -> Floats | None:
-    if not isinstance(guess, str):
-        controls = np.asarray(guess, float)
-        if controls.shape != (task.intervals, task.size) or not np.isfinite(controls).all():
-            raise ValueError(
-                f"guess has shape {controls.shape}: expected finite controls of shape "
-                f"({task.intervals}, {task.size})"
-            )
-        return controls
-    if guess == "pulses":
-        return None
-    if guess == "pd" and isinstance(task, SlewTask):
-        return flown_controls(task, fly_pd(task))
-    if guess == "l1":
-        effort = build_task(scenarios.replace(scenario, {"objective.kind": "l1"}), leg, state)
-        found = search(effort, min(8, scenario.solver.starts), scenario.solver.seed)
-        return found.best.controls[0]
-    raise ValueError(f"guess = {guess!r}: unknown here; choose one of {', '.join(GUESSES)}")
-
-
-def fly_pd(task: SlewTask, clipped: bool = True) -> Trajectory:
-    """Fly the PD law of (5.8) on the task's slew; with thrusters, the one with Schmitt triggers."""
-    reference = jnp.asarray(task.aim.q_ob), jnp.asarray(task.aim.omega_ob)
-    if task.craft.thrusters.count:
-        valves = SchmittLaw(task.craft, *reference)
-        flown = fly_held_law(task.craft, task.start, valves, valves.shut, task.table)
-    else:
-        law = PDLaw(task.craft, *reference, clipped=clipped)
-        flown = fly_law(task.craft, task.start, law, task.table)
-    return jax.tree.map(np.asarray, flown)
-
-
-def flown_controls(task: SlewTask, flown: Trajectory) -> Floats:
-    """Controls (N, b) of a flight in the task's own axes [N m]."""
-    wheel, thrust = flown.wheel_torque[: task.intervals], flown.thrust[: task.intervals]
-    if task.axes == "body":
-        return np.asarray(wheel @ np.asarray(task.craft.wheels.axes).T)
-    return np.concatenate([wheel, thrust], axis=1)

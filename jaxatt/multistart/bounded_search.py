@@ -46,7 +46,7 @@ def search_bounded(
     """Answers to a task whose system has bounds; see `search.search`."""
     if task.goal.terminal == "penalty":
         return _cheapest(task, count, seed, guess, method)
-    starts = _starts(task, count, seed, guess, method)
+    starts = from_bounded_starts(task, count, seed, guess, method)
     pool = starts
     if not starts.verdict.reached.any() and task.goal.kind != "l1":
         pool = join(starts, *_rescued(task, method))
@@ -55,9 +55,10 @@ def search_bounded(
     return BoundedFound(starts, _shortened(task, _improved(task, pool, method, True), method))
 
 
-def _starts(
+def from_bounded_starts(
     task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> Candidates:
+    """What `count` starts find by themselves."""
     scaled = None if guess is None else task.from_controls(guess)
     drawn = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     drawn = drawn._replace(u=np.abs(drawn.u))
@@ -114,7 +115,7 @@ def _improved(task: Task, pool: Candidates, method: MakeMethod, reached_first: b
 def _cheapest(
     task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> BoundedFound:
-    starts = _starts(task, count, seed, guess, method)
+    starts = from_bounded_starts(task, count, seed, guess, method)
     most = min(_LONGEST_BURST, task.intervals // 2)
     bursts = cheapest_bursts(task, most, method("l0", "trying bursts at both ends"))
     pool = _improved(task, join(starts, bursts), method, False)

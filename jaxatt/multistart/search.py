@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.multistart.bounded_search import search_bounded
+from jaxatt.multistart.bounded_search import from_bounded_starts, search_bounded
 from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
 from jaxatt.multistart.enumeration import from_pairs
 from jaxatt.multistart.local_search import improve
@@ -118,6 +118,17 @@ def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
     return Found(starts, best, reaching, _distinct(task, starts), resting_cost)
+
+
+def look(task: Task, count: int, seed: int) -> Candidates:
+    """What `count` starts find by themselves: nothing is rescued, moved or improved."""
+    decides = "l1" if task.goal.kind == "l1" else "l0"
+    rows = chunk_for(count)
+    if task.system.bounds is not None:
+        return from_bounded_starts(task, count, seed, None, lambda d, _: Method(d, rows=rows))
+    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability())
+    u, supports = decide(task, starts, Method(decides, rows=rows))
+    return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
 
 
 def _pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:

@@ -128,6 +128,11 @@ class Task(ABC):
     """Weight of the L1 effort, in scaled controls, where the printed cost is minimised."""
 
     @property
+    def final_time(self) -> float:
+        """Length of the horizon [s]."""
+        return self.intervals * self.step
+
+    @property
     def rows(self) -> int:
         """Number of terminal and waypoint rows."""
         return int(np.shape(self.arguments.row_weight)[0])

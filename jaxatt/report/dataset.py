@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jaxatt.optimize.status import Status
+from jaxatt.report.final_times import final_times_variables
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.timeline import node_times
 
@@ -42,12 +43,24 @@ def to_dataset(result: Result) -> xarray.Dataset:
 
     Dimensions are `time` (nodes, from the leg's start [s]), `interval`, `axis`, `wheel`,
     `quaternion` (scalar first) and `start`, `component` and `input` for a toy; where the case has
-    several legs, `leg` comes first everywhere.
+    several legs, `leg` comes first everywhere.  Where the legs' intervals differ in length, `time`
+    holds node numbers and `node_time` (leg, time) the times.
     """
     import xarray
 
     alternative = any(leg.alternative is not None for leg in result.legs)
-    parts = [xarray.Dataset(_variables(leg, alternative), _coordinates(leg)) for leg in result.legs]
+    tried = (leg.final_times for leg in result.legs if leg.final_times is not None)
+    trials = max((len(times.how) for times in tried), default=0)
+    together = len({leg.step for leg in result.legs}) == 1
+    parts = [
+        xarray.Dataset(
+            _variables(leg, alternative)
+            | final_times_variables(leg, trials)
+            | ({} if together else _times(leg, "node_time")),
+            _coordinates(leg) | (_times(leg) if together else _numbers(leg)),
+        )
+        for leg in result.legs
+    ]
     if len(parts) == 1:
         dataset = parts[0]
     else:
@@ -60,18 +73,12 @@ def to_dataset(result: Result) -> xarray.Dataset:
 def _coordinates(leg: Leg) -> dict[str, _Variable]:
     times, count = node_times(leg), len(leg.active)
     coordinates: dict[str, _Variable] = {
-        "time": (("time",), times, {"units": "s", "long_name": "time from the leg's start"}),
         "coasting": (
             ("time",),
             times > leg.step * (count + 0.5),
             {"long_name": "whether the horizon has ended"},
         ),
         "interval": (("interval",), np.arange(count), {"long_name": "control interval"}),
-        "interval_start": (
-            ("interval",),
-            leg.step * np.arange(count),
-            {"units": "s", "long_name": "start of the interval from the leg's start"},
-        ),
         "start": (("start",), np.arange(len(leg.starts.status)), {"long_name": "start"}),
     }
     if leg.pointing is not None:
@@ -102,6 +109,27 @@ def _coordinates(leg: Leg) -> dict[str, _Variable]:
         components = [f"x{i + 1}" for i in range(leg.series["state"].shape[1])]
         coordinates["component"] = (("component",), components, {"long_name": "state component"})
     return coordinates
+
+
+def _times(leg: Leg, nodes: str = "time") -> dict[str, _Variable]:
+    """Times of nodes and intervals from the leg's start."""
+    return {
+        nodes: (
+            ("time",),
+            node_times(leg),
+            {"units": "s", "long_name": "time from the leg's start"},
+        ),
+        "interval_start": (
+            ("interval",),
+            leg.step * np.arange(len(leg.active)),
+            {"units": "s", "long_name": "start of the interval from the leg's start"},
+        ),
+    }
+
+
+def _numbers(leg: Leg) -> dict[str, _Variable]:
+    """Numbers of the nodes, where their times differ from leg to leg."""
+    return {"time": (("time",), np.arange(len(node_times(leg))), {"long_name": "node"})}
 
 
 def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:

@@ -72,11 +72,12 @@ def euler_angles(axes: Axes, result: Result) -> None:
     waypoint = result.scenario.waypoint
     if waypoint is not None:
         wanted = np.asarray(_euler(waypoint.q_ob))
-        now = angles[np.searchsorted(line.time, waypoint.time - 1e-9)]
+        passing = waypoint.node * result.legs[0].step
+        now = angles[np.searchsorted(line.time, passing - 1e-9)]
         for index, angle in enumerate(np.degrees(_nearest_turn(wanted, now))):
             label = "waypoint" if index == 0 else None
             ring: dict[str, Any] = {"facecolors": "none", "edgecolors": colour(index), "zorder": 4}
-            axes.scatter(waypoint.time, angle, s=50, label=label, **ring)
+            axes.scatter(passing, angle, s=50, label=label, **ring)
     axes.set_ylabel("Euler angles\n[deg]")
 
 

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from jaxatt.report import panels, time_panels
 from jaxatt.report.figure import Picture, picture, save
 from jaxatt.report.files import filling
+from jaxatt.report.final_times import final_times_panels
 from jaxatt.report.pointing_plot import pointing_figure
 from jaxatt.report.result import Result
 from jaxatt.report.starts_panel import starts_panel
@@ -65,6 +66,11 @@ def figures(result: Result) -> dict[str, Picture]:
     if any(leg.pointing is not None and leg.pointing.angles.size for leg in result.legs):
         made["pointing"] = pointing_figure(result)
     legs = len(result.legs)
+    if any(leg.final_times is not None for leg in result.legs):
+        made["final_times"] = picture(5.5 * legs, 5.5, result.scenario.title)
+        grid = made["final_times"].subplots(2, legs, sharex="col", squeeze=False)
+        for index, leg in enumerate(result.legs):
+            final_times_panels(list(grid[:, index]), leg)
     made["starts"] = picture(5.5 * legs, 4.0, result.scenario.title)
     _starts(list(made["starts"].subplots(1, legs, squeeze=False)[0]), result)
     return made

@@ -94,6 +94,27 @@ class PointingRecord:
 
 
 @dataclass(frozen=True, eq=False)
+class FinalTimes:
+    """The final times that were tried where it is free; leading axis K, in the order of trying.
+
+    time_weight : [1/s], cost of a second in active intervals.  cost : of the answer, with its time.
+    final_time : (K,) [s].  costs : (K,), infinite where nothing reached.  active_intervals,
+    reached : (K,), of the best answer there.  how : K words, see `jaxatt.multistart.time_cost`.
+    """
+
+    time_weight: float
+    cost: float
+    final_time: Floats
+    costs: Floats
+    active_intervals: npt.NDArray[np.int64]
+    reached: Flags
+    how: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"FinalTimes({plural(len(self.how), 'trial')}, cost {self.cost:.6g})"
+
+
+@dataclass(frozen=True, eq=False)
 class Leg:
     """One optimisation, flown again.
 
@@ -116,6 +137,7 @@ class Leg:
     alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
     quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
         other way; empty without thrusters, or where it asks for none.
+    final_times : the final times that were tried; None where it was fixed.
     pointing : None without cones and rate limits.
     time_optimum : where time was minimised, what is particular to that; None otherwise.
     """
@@ -141,12 +163,13 @@ class Leg:
     starts: StartsRecord
     alternative: Leg | None = None
     quantised: tuple[Valves, ...] = ()
+    final_times: FinalTimes | None = None
     pointing: PointingRecord | None = None
     time_optimum: TimeOptimum | None = None
 
     @property
     def final_time(self) -> float:
-        """Length of the leg [s], without what coasts after it."""
+        """Length of the leg's horizon [s], without what coasts after it."""
         return self.step * len(self.active)
 
     @property

@@ -1,9 +1,9 @@
 """A result in plain numbers under stable names, as `summary.json` holds it.
 
-Where a case has several legs, the top level adds up costs, counts, efforts and starts, shifts the
-interval indices of leg k (counted from zero) by k N, and takes errors and violations from the
-worst leg; `step_s` is the mean.  A name that does not apply holds null.  For the toy systems the
-names with N m hold values in the unit of their control.
+Where a case has several legs, the top level adds up costs, counts, efforts, times, starts, shifts
+the interval indices of leg k (counted from zero) by k N, and takes errors and violations from the
+worst leg; `step_s` is null where the legs' intervals differ in length.  A name that does not apply
+holds null.  For the toy systems the names with N m hold values in the unit of their control.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import numpy as np
 
 from jaxatt.optimize.status import Status
 from jaxatt.report.files import replacing
+from jaxatt.report.final_times import final_times_summary
 from jaxatt.report.result import Leg, Result, StartsRecord, Valves
 from jaxatt.report.wording import LIMITS
 
@@ -128,6 +129,7 @@ def _leg(leg: Leg) -> dict[str, Any]:
         "cost": None if optimum is None else optimum.cost,
         "kkt": None if optimum is None else optimum.kkt,
         "time_optimum": None if optimum is None else optimum.to_dict(),
+        "final_times": final_times_summary(leg.final_times),
         "quantised": valves_summary(leg.quantised[0]) if leg.quantised else None,
         "pointing": _pointing(leg),
         "obstacle": leg.obstacle,
@@ -208,10 +210,11 @@ def _together(legs: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, An
     together["pointing"] = [
         {"leg": number + 1, **entry} for number, leg in enumerate(legs) for entry in leg["pointing"]
     ]
+    steps = {leg["step_s"] for leg in legs}
+    together["step_s"] = steps.pop() if len(steps) == 1 else None
+    together |= dict.fromkeys(("cost", "kkt", "time_optimum", "final_times"))
     valves = [leg["quantised"] for leg in legs]
     together["quantised"] = None if None in valves else _valves_together(valves)
-    together["step_s"] = together["final_time_s"] / (intervals * len(legs))
-    together |= dict.fromkeys(("cost", "kkt", "time_optimum"))
     count = together["active_intervals"]
     reached = all(leg["status"] == "reached" for leg in legs)
     together["status"] = "reached" if reached else "not reached"

@@ -11,6 +11,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.report.final_times import cost_text, final_time_text
 from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import do_nothing_cost, summary
 from jaxatt.report.time_rows import time_rows
@@ -69,6 +70,8 @@ def comparison_table(
         errors = ("state error", "in tolerance")
     passing = any(row["waypoint_error_deg"] is not None for row in rows)
     errors += ("waypoint [deg]",) if passing else ()
+    timed = len({row["final_time_s"] for row in rows}) > 1
+    errors += ("final time [s]",) if timed else ()
     sparsity = any(row["printed"]["relative_sparsity_percent"] is not None for row in rows)
     found = _controllers(
         (
@@ -100,6 +103,8 @@ def comparison_table(
             worst = [short(row["attitude_error_deg"], 3), short(row["rate_error_rad_s"], 3)]
         if passing:
             worst.append(short(row["waypoint_error_deg"], 3))
+        if timed:
+            worst.append(short(row["final_time_s"]))
         judged.add_row(
             name,
             *worst,
@@ -211,6 +216,8 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
             (
                 ("active intervals", _active),
                 ("their indices", lambda b: indices_text(b["active_interval_indices"])),
+                ("final time [s]", final_time_text),
+                ("cost with its time", cost_text),
             )
             if first.time_optimum is None
             else time_rows(first.time_optimum.effort_weight > 0.0)

@@ -7,7 +7,7 @@ import numpy as np
 
 from jaxatt.environment import MU_EARTH, KeplerianElements
 from jaxatt.environment.table import Surroundings, environment_at
-from jaxatt.problems.slew_case import Aim, Departure, Grid, Passage
+from jaxatt.problems.slew_case import Aim, Departure, Grid, Passage, automatic_substeps
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Goal, Task, Weights
 from jaxatt.problems.toy import ToyTask
@@ -79,21 +79,27 @@ def build_task(
     leg: int = 0,
     departure: Departure | None = None,
     enforce_speed_limits: bool = True,
+    final_time: float | None = None,
+    start_time: float | None = None,
 ) -> Task:
     """Task of one leg of a scenario.
 
     leg : index into `scenario.targets`.  departure : where the leg begins, by default where the
     scenario does; successive legs hand over the flown end of the one before.
     enforce_speed_limits : False to leave wheel speed limits to the verdict.
+    final_time : [s] from the leg's start, by default the scenario's horizon.
+    start_time : [s] at which the leg starts, by default after as many horizons as there are legs
+    before it.
     """
     horizon, target, goal = scenario.horizon, scenario.targets[leg], goal_of(scenario)
+    duration = horizon.duration if final_time is None else final_time
     if scenario.system != SPACECRAFT:
         return ToyTask(
             scenario.system,
             scenario.initial.state,
             target.state,
             horizon.intervals,
-            horizon.step,
+            duration / horizon.intervals,
             scenario.control.limit,
             target.state_tolerance,
             goal,
@@ -101,18 +107,22 @@ def build_task(
         )
     assert scenario.vehicle is not None
     initial, passing = scenario.initial, scenario.waypoint
+    surroundings, substeps = surroundings_of(scenario), horizon.substeps
+    if horizon.free and substeps is None:
+        # As many as the longest interval needs: with the same number everywhere nothing recompiles.
+        substeps = automatic_substeps(horizon.longest / horizon.intervals, surroundings)
     moving = goal.kind == "moving-l0"
     return SlewTask(
         craft=scenario.vehicle,
-        surroundings=surroundings_of(scenario),
+        surroundings=surroundings,
         departure=departure or Departure(initial.q_ob, initial.omega_ob, initial.omega_bw),
         aim=Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
         grid=Grid(
             horizon.intervals,
-            horizon.step,
+            duration / horizon.intervals,
             horizon.coast_intervals,
-            leg * horizon.duration,
-            horizon.substeps,
+            leg * horizon.duration if start_time is None else start_time,
+            substeps,
         ),
         goal=goal,
         weight=window_weights(scenario) if moving else np.ones(horizon.intervals),

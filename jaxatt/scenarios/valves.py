@@ -10,6 +10,24 @@ import numpy as np
 from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.scenarios.model import Horizon, Objective
 from jaxatt.spacecraft import Spacecraft
+from jaxatt.spacecraft.checks import Float64
+
+
+def shortest_interval(vehicle: Spacecraft | None) -> float:
+    """Length [s] that a control interval must have for every valve to open and shut in it."""
+    if vehicle is None or not vehicle.thrusters.count:
+        return 0.0
+    return float(max(shortest.max() for _, shortest, _ in _openings(vehicle)))
+
+
+def _openings(vehicle: Spacecraft) -> tuple[tuple[str, Float64, str], ...]:
+    """Key in the file, shortest opening of each valve [s] and its unit there."""
+    thrusters = vehicle.thrusters
+    least = np.asarray(thrusters.minimum_impulse) / np.asarray(thrusters.torque_limit)
+    return (
+        ("minimum_on_time_s", np.asarray(thrusters.minimum_on_time), "s"),
+        ("minimum_impulse_Nms", least, "s at the torque limit"),
+    )
 
 
 def check_thrusters(
@@ -23,17 +41,9 @@ def check_thrusters(
 
     Raises `ScenarioError`.
     """
-    thrusters = vehicle.thrusters
-    if not thrusters.count:
+    if not vehicle.thrusters.count:
         return
-    for key, shortest, unit in (
-        ("minimum_on_time_s", np.asarray(thrusters.minimum_on_time), "s"),
-        (
-            "minimum_impulse_Nms",
-            np.asarray(thrusters.minimum_impulse) / np.asarray(thrusters.torque_limit),
-            "s at the torque limit",
-        ),
-    ):
+    for key, shortest, unit in _openings(vehicle):
         step = (horizon.longest if horizon.free else horizon.duration) / horizon.intervals
         if (shortest > step * (1.0 + 1e-12)).any():
             raise ScenarioError(

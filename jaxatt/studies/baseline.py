@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
+from jaxatt.pd_flight import flown_controls, fly_pd
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.report.result import Flags
 from jaxatt.scenarios.build import build_task
 from jaxatt.scenarios.model import Scenario
-from jaxatt.solving import flown_controls, fly_pd
 
 
 @dataclass(frozen=True, eq=False)

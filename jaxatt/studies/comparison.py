@@ -61,6 +61,7 @@ class Row:
     rate_error_rad_s: float | None
     waypoint_error_deg: float | None
     state_error: float | None
+    final_time_s: float
     l1_effort_Nms: float
     objective_total: float
     starts_reached: int | None
@@ -215,6 +216,7 @@ def _row(scenario: scenarios.Scenario, kind: str, result: Result) -> Row:
         rate_error_rad_s=numbers["rate_error_rad_s"],
         waypoint_error_deg=numbers["waypoint_error_deg"],
         state_error=numbers["state_error"],
+        final_time_s=numbers["final_time_s"],
         l1_effort_Nms=numbers["l1_effort_Nms"],
         objective_total=numbers["objective"]["total"],
         starts_reached=numbers["starts"]["reached_target"],
@@ -292,6 +294,7 @@ def _pd_row(name: str, scenario: scenarios.Scenario, legs: Sequence[FlownPD]) ->
         if scenario.waypoint is None
         else math.degrees(max(leg.errors["waypoint"] for leg in legs)),
         state_error=None,
+        final_time_s=scenario.horizon.duration * len(legs),
         l1_effort_Nms=sum(leg.effort for leg in legs),
         objective_total=sum(leg.cost for leg in legs),
         starts_reached=None,

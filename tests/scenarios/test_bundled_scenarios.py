@@ -14,6 +14,7 @@ NAMES = (
     "hypso1-45-0-0",
     "hypso1-75-50-15",
     "hypso1-90-0-0",
+    "hypso1-90-0-0-free",
     "hypso1-90-45-15",
     "hypso1-90-45-15-perturbed",
     "hypso1-path",

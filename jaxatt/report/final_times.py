@@ -1,0 +1,105 @@
+"""The final times that were tried: numbers, labelled arrays and a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from jaxatt.report.figure import colour, tidy
+from jaxatt.report.result import FinalTimes, Floats, Leg
+from jaxatt.report.wording import plural, short
+
+_Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
+
+
+def final_times_summary(tried: FinalTimes | None) -> dict[str, Any] | None:
+    """Plain numbers; costs that are infinite, where nothing reached, become None in JSON."""
+    if tried is None:
+        return None
+    columns = (tried.final_time, tried.costs, tried.active_intervals, tried.reached, tried.how)
+    names = ("final_time_s", "cost", "active_intervals", "reached", "how")
+    return {
+        "time_weight_1_s": tried.time_weight,
+        "cost": tried.cost,
+        "tried": [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)],
+    }
+
+
+def final_time_text(leg_summary: Mapping[str, Any]) -> str:
+    """The final time with the length of an interval, where it was free."""
+    if leg_summary["final_times"] is None:
+        return ""
+    step = leg_summary["step_s"]
+    return f"{short(leg_summary['final_time_s'], 6)} ({short(step)} an interval)"
+
+
+def cost_text(leg_summary: Mapping[str, Any]) -> str:
+    """The cost with the time's own, and how many final times were tried for it."""
+    tried = leg_summary["final_times"]
+    if tried is None:
+        return ""
+    times = plural(len(tried["tried"]), "final time")
+    return f"{short(tried['cost'], 6) or 'not reached'} ({times} tried)"
+
+
+def final_times_variables(leg: Leg, rows: int) -> dict[str, _Variable]:
+    """The trials as labelled arrays of `rows` rows, the last ones empty; none where fixed."""
+    tried = leg.final_times
+    if tried is None:
+        return {}
+
+    def filled(values: Sequence[float] | Floats) -> Floats:
+        padded = np.full(rows, np.nan)
+        padded[: len(values)] = values
+        return padded
+
+    columns = {
+        "final_time": (tried.final_time, "s", "final time that was tried"),
+        "cost": (tried.costs, "1", "cost with the time's own, infinite where nothing reached"),
+        "active_intervals": (tried.active_intervals, "1", "active intervals of the best answer"),
+        "reached": (tried.reached.astype(float), "1", "1 where an answer reached the target"),
+    }
+    return {
+        f"trial_{name}": (("trial",), filled(values), {"long_name": words, "units": unit})
+        for name, (values, unit, words) in columns.items()
+    }
+
+
+def final_times_panels(axes: Sequence[Axes], leg: Leg) -> None:
+    """Cost above, active intervals below, against final time; the answer is a star."""
+    tried = leg.final_times
+    assert tried is not None
+    above, below = axes
+    known = tried.reached
+    for panel, values in ((above, tried.costs), (below, tried.active_intervals)):
+        panel.scatter(tried.final_time[known], values[known], s=22, c=colour(0), alpha=0.7)
+        panel.set_xlim(0.0, 1.04 * float(tried.final_time.max()))
+        tidy(panel)
+    for time in tried.final_time[~known]:
+        for panel in axes:
+            panel.axvline(time, color=colour(1), linewidth=0.5, alpha=0.4, zorder=0)
+    answer: dict[str, Any] = {
+        "s": 170,
+        "c": colour(4),
+        "marker": "*",
+        "edgecolor": "black",
+        "zorder": 5,
+    }
+    if np.isfinite(tried.cost):
+        above.scatter(leg.final_time, tried.cost, **answer)
+        below.scatter(leg.final_time, leg.active_intervals, **answer)
+        # What costs far more than the answer would leave no room for what competes with it.
+        above.set_ylim(0.0, 1.08 * min(3.0 * tried.cost, float(tried.costs[known].max())))
+        most = float(tried.active_intervals[known].max())
+        below.set_ylim(0.0, 1.08 * min(3.0 * leg.active_intervals + 4.0, most + 1.0))
+    above.plot([], [], "o", color=colour(0), alpha=0.7, label="an answer reached")
+    above.plot([], [], color=colour(1), linewidth=0.8, alpha=0.6, label="none of those tried did")
+    above.set_ylabel("cost")
+    above.legend(fontsize=8, frameon=False, loc="best")
+    below.set_ylabel("active intervals")
+    below.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    below.set_xlabel("final time [s]")
