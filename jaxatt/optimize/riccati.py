@@ -59,13 +59,15 @@ def product(a: Array, b: Array) -> Array:
     return total
 
 
-def _eliminated(table: Array, first: int) -> Array:
-    """Gauss-Jordan steps on the pivots of a (p, p + 1) table from row `first` on."""
+def eliminated(table: Array, first: int) -> tuple[Array, Array]:
+    """Gauss-Jordan steps on the pivots of a (p, p + 1) table from row `first` on; least pivot."""
+    least = jnp.asarray(jnp.inf, table.dtype)
     for k in range(first, table.shape[0]):
+        least = jnp.minimum(least, table[k, k])
         pivot = table[k] / table[k, k]
         here = (jnp.arange(table.shape[0]) == k)[:, None]
         table = jnp.where(here, pivot[None], table - table[:, k][:, None] * pivot[None])
-    return table
+    return table, least
 
 
 def derivatives_along(program: StagedProgram, flown: Trajectory, args: Any) -> Array:
@@ -83,17 +85,29 @@ def derivatives_along(program: StagedProgram, flown: Trajectory, args: Any) -> A
     return lax.scan(at, None, inputs)[1]
 
 
+class Policy(NamedTuple):
+    """What a stage's share of the recursion leaves.
+
+    value : (n, n + 1), Hessian and gradient of what is to come, in the error state.
+    law : (b, n + 1), gains on the error state, then the change where it is zero.
+    slope : () of the model along that change.
+    pivot : (), the least of the elimination; the model is convex in the controls if it is positive.
+    """
+
+    value: Array
+    law: Array
+    slope: Array
+    pivot: Array
+
+
 def backward_step(
     value: Array, model: StageModel, free: Array, forced: Array, damping: Array
-) -> tuple[Array, Array, Array]:
+) -> Policy:
     """One stage of the backward recursion.
 
     value : (n, n + 1), Hessian and gradient of what is to come in the next error state.
     free : (b,), 1 where a control may move.  forced : (b,), by how much one that may not is moved.
     damping : (), added to the curvature of the controls.
-
-    Returns the value at this stage (n, n + 1), the feedback law (b, n + 1), gains on the error
-    state and then the change where it is zero, and the slope of the model along that change, ().
     """
     n = value.shape[0]
     size = model.gradient.shape[0]
@@ -106,11 +120,11 @@ def backward_step(
     gradient = jnp.concatenate([gradient[:n], gradient[n:] * free])
     diagonal = jnp.concatenate([jnp.zeros(n, value.dtype), damping * free + (1.0 - free)])
     hessian = hessian * moves[:, None] * moves[None, :] + diagonal[:, None] * jnp.eye(size)
-    table = _eliminated(jnp.concatenate([hessian, gradient[:, None]], axis=1), n)
+    table, pivot = eliminated(jnp.concatenate([hessian, gradient[:, None]], axis=1), n)
     slope = -jnp.sum(gradient[n:] * table[n:, size])
     law = -jnp.concatenate([table[n:, :n], table[n:, size:] - forced[:, None]], axis=1)
     quadratic = 0.5 * (table[:n, :n] + table[:n, :n].T)
-    return jnp.concatenate([quadratic, table[:n, size:]], axis=1), law, slope
+    return Policy(jnp.concatenate([quadratic, table[:n, size:]], axis=1), law, slope, pivot)
 
 
 def fly_with_feedback(

@@ -181,7 +181,7 @@ def sweep(
         free = jnp.broadcast_to(program.free(stage, args), u.shape)
         by_control = gradient[n:] * free
         curvature = program.curvature(x, u, stage, args, terms.smoothing)
-        value, law, slope = backward_step(
+        value, law, slope, _ = backward_step(
             value,
             StageModel(matrix, curvature + model.hessian, jnp.concatenate([zeros, by_control])),
             free,

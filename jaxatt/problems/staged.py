@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -36,12 +36,28 @@ def _all_free(stage: Any, args: Any) -> Array:
     return jnp.ones(())
 
 
+def _no_limits(stage: Any, args: Any) -> tuple[Array, Array]:
+    return jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)
+
+
 def _plus(x: Array, error: Array) -> Array:
     return x + error
 
 
 def _minus(x: Array, reference: Array) -> Array:
     return x - reference
+
+
+class Slopes(NamedTuple):
+    """A stage's dynamics and cost to first order in z, its n error coordinates and b controls.
+
+    gap : (n,), the next state that the dynamics give less the one that there is.
+    dynamics : (n, n + b), derivatives of the gap.  cost : (n + b,), those of the cost.
+    """
+
+    gap: Array
+    dynamics: Array
+    cost: Array
 
 
 @dataclass(frozen=True)
@@ -65,6 +81,13 @@ class StagedProgram:
     inequality : (x, u, stage, args) -> (p,), non-negative when satisfied.
     final_rows, final_weight, final_inequality : the same of the last state; (x, args) or (args).
     free : (stage, args) -> (b,) or (), 1 where a control may move and 0 where it is held.
+    limits : (stage, args) -> lower and upper limits of the controls, (b,) or (); read by
+        `interior_point` only, for the other solvers they belong among the inequalities.
+    free_start : number of coordinates, the last ones of the error state, that are decided with the
+        controls and constant along the stages, such as the length of a stage; `interior_point` only.
+    slopes : (x, u, x_next, stage, args) -> `Slopes`, exact; bending : (x, u, x_next, stage, args,
+        costate) -> (n + b, n + b), Hessian of cost + costate . gap, exact or nearly so; both for
+        `interior_point`, None to differentiate cost and dynamics.
     linearise : (x, u, x_next, stage, args) -> (n, n + b), derivatives of the next error state with
         respect to error state and controls; exact or nearly so, None to differentiate `dynamics`.
     """
@@ -84,6 +107,10 @@ class StagedProgram:
     final_weight: Callable[[Any], Array] = _hard_at_the_end
     final_inequality: Callable[[Array, Any], Array] = _no_final_rows
     free: Callable[[Any, Any], Array] = _all_free
+    limits: Callable[[Any, Any], tuple[Array, Array]] = _no_limits
+    free_start: int = 0
+    slopes: Callable[[Array, Array, Array, Any, Any], Slopes] | None = None
+    bending: Callable[[Array, Array, Array, Any, Any, Array], Array] | None = None
     linearise: Callable[[Array, Array, Array, Any, Any], Array] | None = None
 
     def derivatives(self, x: Array, u: Array, x_next: Array, stage: Any, args: Any) -> Array:
@@ -104,6 +131,48 @@ def exact_derivatives(
         return program.difference(x_moved, x_next)
 
     return jnp.asarray(jax.jacfwd(move)(jnp.zeros(n + u.shape[0], x.dtype)))
+
+
+def _moved(
+    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
+) -> Callable[[Array], tuple[Array, Array]]:
+    """z -> gap (n,) and cost () of a stage."""
+    n = program.error_size
+
+    def at(z: Array) -> tuple[Array, Array]:
+        x_moved, u_moved = program.retract(x, z[:n]), u + z[n:]
+        gap = program.difference(program.dynamics(x_moved, u_moved, stage, args), x_next)
+        return gap, program.cost(x_moved, u_moved, stage, args, jnp.zeros((), x.dtype))
+
+    return at
+
+
+def slopes(
+    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
+) -> Slopes:
+    """A stage to first order; differentiated where the programme has nothing of its own."""
+    if program.slopes is not None:
+        return program.slopes(x, u, x_next, stage, args)
+    moved = _moved(program, x, u, x_next, stage, args)
+    at = jnp.zeros(program.error_size + u.shape[0], x.dtype)
+    (dynamics, cost), (gap, _) = jax.jacfwd(lambda z: (moved(z), moved(z)), has_aux=True)(at)
+    return Slopes(gap, dynamics, cost)
+
+
+def bending(
+    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any, costate: Array
+) -> Array:
+    """Hessian of cost + costate . gap of a stage, (n + b, n + b)."""
+    if program.bending is not None:
+        return program.bending(x, u, x_next, stage, args, costate)
+    moved = _moved(program, x, u, x_next, stage, args)
+
+    def lagrangian(z: Array) -> Array:
+        gap, cost = moved(z)
+        return cost + jnp.sum(costate * gap)
+
+    hessian = jax.hessian(lagrangian)(jnp.zeros(program.error_size + u.shape[0], x.dtype))
+    return jnp.asarray(0.5 * (hessian + hessian.T))
 
 
 def least_squares(

@@ -1,0 +1,215 @@
+"""One interval of a reorientation to second order, attitude as a quaternion, in closed form or nearly.
+
+What an interval does to the attitude, q+ = q (x) dq, does not depend on q, and the Runge-Kutta step
+keeps that: only dq and the rates need differentiating, by the rates, the controls and the length of
+the interval.  First derivatives are exact.  The curvature is that of a coarser model of the
+interval, dq = exp(h omega + h^2/2 omega'), which is right to a few per cent: Newton's method then
+converges a little slower, to the same point.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.problems.staged import Slopes
+from jaxatt.simulation.free_body import BodyForm, derivative, step
+from jaxatt.simulation.momentum_model import Components, cross
+
+if TYPE_CHECKING:
+    from jaxatt.problems.reorientation import ReorientationParameters
+
+_IDENTITY = (1.0, 0.0, 0.0, 0.0)
+
+
+def multiply(p: Components, q: Components) -> Components:
+    """Product of quaternions."""
+    u, v = p[1:], q[1:]
+    w = p[0] * q[0] - u[0] * v[0] - u[1] * v[1] - u[2] * v[2]
+    turned = cross(u, v)
+    return (w, *(p[0] * v[i] + q[0] * u[i] + turned[i] for i in range(3)))
+
+
+def _conjugate(q: Components) -> Components:
+    return (q[0], -q[1], -q[2], -q[3])
+
+
+def torques(p: ReorientationParameters, u: Array) -> Components:
+    """Torque on the wheels and of the thrusters in body axes, six scalars [N m]."""
+    both = (p.to_body, p.to_external)
+    return tuple(sum(m[i, j] * u[j] for j in range(u.shape[0])) for m in both for i in range(3))
+
+
+def _chart_slope(s: Components) -> list[list[Array]]:
+    """Derivative of four times MRP s by a small turn in body axes, (3, 3)."""
+    squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
+    skew = [[0.0, -s[2], s[1]], [s[2], 0.0, -s[0]], [-s[1], s[0], 0.0]]
+    return [
+        [(1.0 - squared) * (i == j) + 2.0 * skew[i][j] + 2.0 * s[i] * s[j] for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def _rotation(q: Components) -> list[list[Array]]:
+    """Matrix R(q)', from the old body axes to the new ones."""
+    w, x, y, z = q
+    return [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+
+
+def _matmul(a: list[list[Array]], rows: list[Array]) -> list[Array]:
+    return [sum(a[i][j] * rows[j] for j in range(3)) for i in range(3)]
+
+
+class IntervalDerivatives:
+    """`StagedProgram.slopes` and `bending` of a reorientation with quaternions.
+
+    impulses : controls whose impulse is a state.  size : b.
+    """
+
+    def __init__(self, body: BodyForm, impulses: int, size: int):
+        self.body, self.impulses, self.size = body, impulses, size
+        self.spin = body.size - 4
+        """Rate and, where it is carried, momentum."""
+
+    def _reduced(self, x: Array, u: Array) -> Array:
+        """What an interval depends on: spin, controls, logarithm of the mean interval, (y,)."""
+        return jnp.concatenate([x[4 : 4 + self.spin], u, x[-1:]])
+
+    def _state(self, y: Array) -> Components:
+        return tuple(jnp.asarray(c, y.dtype) for c in _IDENTITY) + tuple(
+            y[i] for i in range(self.spin)
+        )
+
+    def _moved(self, y: Array, share: Array, p: ReorientationParameters) -> tuple[Array, Array]:
+        """Turn (4,) and spin after an interval."""
+        h = share * jnp.exp(y[-1])
+        controls = y[self.spin : -1]
+        end = step(self._state(y), torques(p, controls), h, p.body, self.body)
+        return jnp.stack(end[:4]), jnp.stack(end[4:])
+
+    def _row(self, turn: Array, by_y: Array, impulse: Array) -> Array:
+        """A row in z: turn, spin, impulses, length, controls."""
+        s = self.spin
+        return jnp.concatenate([turn, by_y[:s], impulse, by_y[-1:], by_y[s:-1]])
+
+    def slopes(
+        self, x: Array, u: Array, x_next: Array, share: Array, p: ReorientationParameters
+    ) -> Slopes:
+        """See `StagedProgram.slopes`."""
+        dtype, spin, impulses = x.dtype, self.spin, self.impulses
+        y = self._reduced(x, u)
+        (turned, spun), (turning, spinning) = jax.vmap(
+            lambda direction: jax.jvp(lambda at: self._moved(at, share, p), (y,), (direction,)),
+            in_axes=0,
+            out_axes=((None, None), 0),
+        )(jnp.eye(y.shape[0], dtype=dtype))
+        dq = tuple(turned[i] for i in range(4))
+        ahead = multiply(tuple(x[i] for i in range(4)), dq)
+        missing = multiply(_conjugate(tuple(x_next[i] for i in range(4))), ahead)
+        scale = 1.0 / jnp.maximum(1.0 + missing[0], 1e-6)
+        sigma = tuple(scale * missing[i] for i in range(1, 4))
+        h = share * jnp.exp(x[-1])
+        first = 4 + spin
+        gap = jnp.concatenate(
+            [
+                jnp.stack([4.0 * s for s in sigma]),
+                spun - x_next[4:first],
+                x[first:-1] + h * u[:impulses] - x_next[first:-1],
+                x[-1:] - x_next[-1:],
+            ]
+        )
+        chart = _chart_slope(sigma)
+        rates = multiply(_conjugate(dq), tuple(turning[:, i] for i in range(4)))[1:]
+        rotation = _rotation(dq)
+        flat, none = jnp.zeros(3, dtype), jnp.zeros(impulses, dtype)
+        rows = []
+        for i in range(3):
+            by_turn = [sum(chart[i][k] * rotation[k][j] for k in range(3)) for j in range(3)]
+            by_y = sum(2.0 * chart[i][k] * rates[k] for k in range(3))
+            rows.append(self._row(jnp.stack(by_turn), by_y, none))
+        rows += [self._row(flat, spinning[:, i], none) for i in range(spin)]
+        for i in range(impulses):
+            own = jnp.eye(self.size, dtype=dtype)[i]
+            by_y = jnp.concatenate([jnp.zeros(spin, dtype), h * own, (h * u[i])[None]])
+            rows.append(self._row(flat, by_y, own[:impulses]))
+        last = jnp.eye(y.shape[0], dtype=dtype)[-1]
+        rows.append(self._row(flat, last, none))
+        spent = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
+        by_control = 2.0 * h * p.effort_weight * p.scale**2 * u
+        by_spin = jnp.zeros(spin, dtype)
+        by_y = jnp.concatenate([by_spin, by_control, spent[None]])
+        return Slopes(gap, jnp.stack(rows), self._row(flat, by_y, none))
+
+    def _turn(self, y: Array, share: Array, p: ReorientationParameters) -> Components:
+        """Rotation vector of the coarser model, three scalars."""
+        h = share * jnp.exp(y[-1])
+        slope = self._slope(y, p)
+        return tuple(h * (y[i] + 0.5 * h * slope[i]) for i in range(3))
+
+    def _slope(self, y: Array, p: ReorientationParameters) -> Components:
+        torque = torques(p, y[self.spin : -1])
+        return derivative(self._state(y), torque, p.body, self.body)[4:]
+
+    def _coarse(
+        self,
+        y: Array,
+        share: Array,
+        p: ReorientationParameters,
+        by_turn: Components,
+        by_spin: Array,
+        by_impulse: Array,
+    ) -> Array:
+        """Cost and costates of the coarser model, ()."""
+        h, u = share * jnp.exp(y[-1]), y[self.spin : -1]
+        slope, turn = self._slope(y, p), self._turn(y, share, p)
+        total = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
+        for i in range(3):
+            total = total + by_turn[i] * turn[i]
+        for i in range(self.spin):
+            total = total + by_spin[i] * (y[i] + h * slope[i])
+        return total + h * jnp.sum(by_impulse * u[: self.impulses])
+
+    def bending(
+        self,
+        x: Array,
+        u: Array,
+        x_next: Array,
+        share: Array,
+        p: ReorientationParameters,
+        costate: Array,
+    ) -> Array:
+        """See `StagedProgram.bending`."""
+        dtype, spin = x.dtype, self.spin
+        y = self._reduced(x, u)
+        turn = jnp.stack(self._turn(y, share, p))
+        by_y = jax.jacfwd(lambda at: jnp.stack(self._turn(at, share, p)))(y)
+        force = tuple(costate[i] for i in range(3))
+        whole = tuple(turn[i] for i in range(3))
+        felt = tuple(f - 0.5 * c for f, c in zip(force, cross(force, whole), strict=True))
+        bent = jax.hessian(self._coarse)(
+            y, share, p, felt, costate[3 : 3 + spin], costate[3 + spin : -1]
+        )
+        # Two turns in succession: to second order their vectors add, and half their product; the
+        # first one, the error of x, is turned on by the interval.
+        crossed = cross(tuple(by_y[i] for i in range(3)), force)
+        seen = cross(whole, crossed)
+        flat, none = jnp.zeros(3, dtype), jnp.zeros(self.impulses, dtype)
+        side = jnp.stack(
+            [0.5 * self._row(flat, c + d, none)[3:] for c, d in zip(crossed, seen, strict=True)]
+        )
+        idle = jnp.zeros((self.impulses, y.shape[0]), dtype)
+        rows = jnp.concatenate([bent[:spin], idle, bent[-1:], bent[spin:-1]])
+        rest = jnp.stack([self._row(flat, rows[i], none)[3:] for i in range(rows.shape[0])])
+        return jnp.concatenate(
+            [
+                jnp.concatenate([jnp.zeros((3, 3), dtype), side], axis=1),
+                jnp.concatenate([side.T, rest], axis=1),
+            ]
+        )
