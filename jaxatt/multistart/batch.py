@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -12,11 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from jaxatt.multistart.retiring import retiring
 from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
 from jaxatt.optimize.least_effort import least_effort
 from jaxatt.optimize.reweighting import Reweighting, SparseRoot, sparsify
-from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off import (
     SparseArguments,
     SparseSystem,
@@ -71,10 +70,6 @@ def placed(form: Form, lane: Lanes, arguments: SparseArguments) -> SparseArgumen
         free=lane.free,
         row_weight=lane.row_weight,
     )
-
-
-_EARLY_ITERATIONS = 16
-"""Most lanes of a polish have ended by then."""
 
 
 @functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
@@ -178,41 +173,6 @@ def spend_least(
     return retiring(
         lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
     )
-
-
-def retiring(
-    run: Callable[[Lanes, Schedule], Any],
-    lanes: Lanes,
-    schedule: Schedule,
-    rows: int,
-    progress: Progress | None,
-    key: Hashable,
-    together: bool = True,
-) -> Any:
-    """`run` on all lanes, chunk by chunk, so that the slowest does not rule.
-
-    A chunk runs until its slowest lane ends.  So lanes that take long are retired after a few
-    iterations and solved again among themselves, from their start, which changes no result.
-    run, key, together : as in `in_chunks`; the solutions have a `status` and `iterations`.
-    """
-
-    def solve_with(limit: int, some: Lanes, told: Progress | None) -> Any:
-        limited = replace(schedule, max_iterations=limit)
-        return in_chunks(lambda chunk: run(chunk, limited), some, rows, told, key, together)
-
-    limit = min(_EARLY_ITERATIONS, schedule.max_iterations)
-    found = solve_with(limit, lanes, progress)
-    unfinished = (found.status == Status.FEASIBLE) | (found.status == Status.ITERATION_LIMIT)
-    slow = np.flatnonzero(unfinished & (found.iterations >= limit))
-    if limit == schedule.max_iterations or not len(slow):
-        return found
-    late = solve_with(schedule.max_iterations, jax.tree.map(lambda leaf: leaf[slow], lanes), None)
-
-    def merged(early: Floats, later: Floats) -> Floats:
-        early[slow] = later
-        return early
-
-    return jax.tree.map(merged, found, late)
 
 
 def sparsify_lanes(

@@ -10,7 +10,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.multistart.batch import Form, Lanes, placed, retiring
+from jaxatt.multistart.batch import Form, Lanes, placed
+from jaxatt.multistart.retiring import retiring
 from jaxatt.optimize.augmented_lagrangian import Schedule
 from jaxatt.optimize.reweighting import Reweighting, SparseRoot
 from jaxatt.optimize.staged_lagrangian import StagedSolution, solve_stages

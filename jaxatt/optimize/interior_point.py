@@ -182,7 +182,9 @@ def solve_interior(
         multipliers = jnp.stack([_largest(m) for m in (*dual, point.rows)])
         scale = jnp.maximum(1.0, jnp.max(multipliers) / _LARGE_MULTIPLIER)
         gaps = jnp.maximum(_largest(found.gap), _largest(found.rows))
-        short = jnp.maximum(_largest(jnp.minimum(found.path, 0.0)), _largest(jnp.minimum(found.final, 0.0)))
+        short = jnp.maximum(
+            _largest(jnp.minimum(found.path, 0.0)), _largest(jnp.minimum(found.final, 0.0))
+        )
         excess = jnp.maximum(_largest(found.path - slack.path), _largest(found.final - slack.final))
 
         def slackness(barrier: Array) -> Array:
@@ -275,7 +277,9 @@ def solve_interior(
     start = _first_point(program, u, states, args, settings, (below, above, low, high))
     infinite = jnp.asarray(jnp.inf, dtype)
     state = _State(
-        start._replace(dual=only_there(jax.tree.map(lambda s: settings.barrier / s, slacks(start)))),
+        start._replace(
+            dual=only_there(jax.tree.map(lambda s: settings.barrier / s, slacks(start)))
+        ),
         jnp.asarray(settings.barrier, dtype),
         jnp.zeros((), dtype),
         10.0 * jnp.maximum(1.0, unmet(values(program, start.nodes, args), start)),

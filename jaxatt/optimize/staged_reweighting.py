@@ -135,7 +135,9 @@ def sparsify_stages(
                 model.hessian + diagonal[:, None] * jnp.eye(n + size, dtype=dtype),
                 model.gradient + pull,
             )
-            value, law, _, _ = backward_step(value, stage_model, loose, forced, jnp.zeros((), dtype))
+            value, law, _, _ = backward_step(
+                value, stage_model, loose, forced, jnp.zeros((), dtype)
+            )
             out = jnp.concatenate([law.ravel(), model.estimates.inequality])
             return (value, worst), out
 

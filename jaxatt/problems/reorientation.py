@@ -21,11 +21,13 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.attitude import mrp
 from jaxatt.problems import slew_stages
+from jaxatt.problems.pointing import PointingLimits, pointing_margins
 from jaxatt.problems.reorientation_derivatives import IntervalDerivatives, torques
 from jaxatt.problems.slew import RATE_SCALE, attitude_row
 from jaxatt.problems.staged import StagedProgram
-from jaxatt.simulation.free_body import BodyForm, FreeBody, step, switched
+from jaxatt.simulation.free_body import BodyForm, FreeBody, step
 
 
 @jax.tree_util.register_dataclass
@@ -44,7 +46,7 @@ class ReorientationParameters:
     lower, upper : (b,), limits of the scaled controls.  scale : (b,) [N m].
     effort_weight : () [1/(N m)^2], rho.
     shortest, longest : () [s], limits of the final time; 0 and inf where there are none.
-    rate_limit : (3,) [rad/s].
+    limits : cones and rate limits.  directions : (m, 3), of the cones, in inertial axes.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
     to_wheels : (n, b) [N m]; speed_limit : (n,) [rad/s].
     """
@@ -63,7 +65,8 @@ class ReorientationParameters:
     effort_weight: Array
     shortest: Array
     longest: Array
-    rate_limit: Array
+    limits: PointingLimits
+    directions: Array
     wheel_speed: Array
     wheel_axes: Array
     wheel_inertia: Array
@@ -77,8 +80,9 @@ class ReorientationForm:
 
     body: BodyForm
     time_limited: bool = False
-    rate_limited: bool = False
     speed_limited: bool = False
+    cones: int = 0
+    rate_limited: bool = False
 
 
 def _nearer_set(sigma: Array, reference: Array) -> Array:
@@ -130,12 +134,14 @@ def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
 
     def inequality(x: Array, u: Array, share: Array, p: ReorientationParameters) -> Array:
         rows = []
-        if form.rate_limited:
-            relative = x[turn : turn + 3] / p.rate_limit
-            rows += [1.0 - relative, 1.0 + relative]
+        if form.cones or form.rate_limited:
+            q = x[:4] if quaternion else mrp.to_quaternion(x[:3])
+            rows.append(pointing_margins(q, x[turn : turn + 3], p.directions, p.limits))
         if form.speed_limited:
             spun = jnp.sum(p.to_wheels * x[carried:-1][None], axis=1) / p.wheel_inertia
-            turned = jnp.sum(p.wheel_axes * (x[turn : turn + 3] - p.start[turn : turn + 3])[:, None], axis=0)
+            turned = jnp.sum(
+                p.wheel_axes * (x[turn : turn + 3] - p.start[turn : turn + 3])[:, None], axis=0
+            )
             relative = (p.wheel_speed + spun - turned) / p.speed_limit
             rows += [1.0 - relative, 1.0 + relative]
         return jnp.concatenate(rows) if rows else jnp.zeros((0,), x.dtype)

@@ -1,0 +1,140 @@
+"""Random feasible starts of a reorientation: a path, the torques that follow it, a time for them.
+
+Between the two attitudes every node gets a random share of the turn; the rates and torques of that
+path follow from inverse dynamics, and the interval is made long enough for the torques to stay
+within their limits.  Source: Sensors and Materials 32 (5), 2020, 1671 ff., section 4, eqs. (27) to
+(34); (27) with sigma(1) = sigma(0) and sigma(N) = sigma(N + 1), so that it begins and ends at rest.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxatt.problems.reorientation_task import ReorientationTask
+from jaxatt.problems.slew_case import long_way_probability
+from jaxatt.problems.task import Floats
+
+_SPREAD = 0.1
+_MOST_STRETCHES = 12
+_FIRST_DURATION = 10.0
+
+
+class Paths(NamedTuple):
+    """S starts.
+
+    u : (S, N, b), scaled controls.  states : (S, N + 1, s), of the programme.
+    step : (S,) [s].  reference : (S, 3 or 4), target attitude the way that the start goes.
+    """
+
+    u: Floats
+    states: Floats
+    step: Floats
+    reference: Floats
+
+
+def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
+    """Starts of a task; start i depends on the seed and on i alone.
+
+    Where effort costs nothing the torques are spread a little as well: a path about the axis
+    between the attitudes alone may be a saddle of the final time, and stay one.
+    """
+    n = task.intervals
+    drawn = np.stack([np.random.default_rng((seed, i)).random(draws(task)) for i in range(count)])
+    share = 1.0 - drawn[:, : n + 2]
+    share[:, :2], share[:, n:] = 0.0, 1.0
+    turn = task.turn(1.0)
+    vector = 4.0 * np.arctan(np.linalg.norm(turn)) * turn / max(1e-300, np.linalg.norm(turn))
+    rate = np.asarray(task.departure.omega_ob)
+    away = drawn[:, n + 2] < long_way_probability(vector, rate, _FIRST_DURATION)
+    sigma = np.where(away[:, None], task.turn(-1.0), turn)
+    reference = np.where(away[:, None], task.reference(-1.0), task.reference(1.0))
+    nodes = share[:, :, None] * sigma[:, None]
+    step = np.full(count, _FIRST_DURATION / n)
+    for _ in range(_MOST_STRETCHES):
+        u, omega = _followed(task, nodes, step)
+        most = np.maximum(np.abs(task.actuation.lower), task.actuation.upper)
+        over = (np.abs(u) / most).max(axis=(1, 2))
+        # From rest torques fall with the square of the time, and one stretch is enough.
+        if (over <= 1.0 + 1e-12).all() and _ > 0:
+            break
+        step = step * np.where((over > 1.0) | (_ == 0), np.sqrt(np.maximum(over, 1e-12)), 1.0)
+    goal = task.goal
+    step = np.clip(step, goal.shortest / n, goal.longest / n)
+    u, omega = _followed(task, nodes, step)
+    if goal.effort_weight == 0.0:
+        u = u + _SPREAD * (2.0 * drawn[:, n + 3 :].reshape(u.shape) - 1.0)
+    u = np.clip(u, task.actuation.lower, task.actuation.upper)
+    return Paths(u, _states(task, nodes[:, : n + 1], omega, u, step), step, reference)
+
+
+def draws(task: ReorientationTask) -> int:
+    """Random numbers of a start."""
+    return task.intervals + 3 + task.intervals * task.actuation.size
+
+
+def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Floats, Floats]:
+    """Scaled controls (S, N, b) that follow relative MRP (S, N + 2, 3), and rates (S, N + 1, 3)."""
+    count = task.intervals
+    slope = np.diff(nodes, axis=1) / step[:, None, None]
+    omega = np.linalg.solve(_kinematics(nodes[:, : count + 1]), slope[..., None])[..., 0]
+    omega[:, 0], omega[:, count] = task.departure.omega_ob, task.aim.omega_ob
+    change = np.diff(omega, axis=1) / step[:, None, None]
+    craft = task.craft
+    inertia = np.asarray(craft.inertia)
+    if task.form.body.momentum == "own":
+        momentum = omega[:, :count] @ inertia
+    else:
+        momentum = _to_body(nodes[:, :count], task.momentum)
+    needed = change @ np.asarray(craft.inertia_without_spin).T
+    needed = needed + np.cross(omega[:, :count], momentum)
+    a = task.actuation
+    return needed @ np.linalg.pinv(a.to_external - a.to_body).T, omega
+
+
+def _kinematics(sigma: Floats) -> Floats:
+    """G of eq. (5), with dsigma/dt = G omega, (..., 3, 3)."""
+    squared = (sigma**2).sum(axis=-1)[..., None, None]
+    outer = sigma[..., :, None] * sigma[..., None, :]
+    skew = np.cross(sigma[..., None, :], np.eye(3), axisa=-1, axisb=-1)
+    return np.asarray(
+        0.25 * ((1.0 - squared) * np.eye(3) + 2.0 * np.swapaxes(skew, -1, -2) + 2.0 * outer)
+    )
+
+
+def _to_body(sigma: Floats, vector: Floats) -> Floats:
+    """Components of a vector of the start's body axes in the axes turned by MRP, (..., 3)."""
+    squared = (sigma**2).sum(axis=-1, keepdims=True)
+    once = np.cross(sigma, vector)
+    twice = np.cross(sigma, once)
+    return np.asarray(vector + (8.0 * twice - 4.0 * (1.0 - squared) * once) / (1.0 + squared) ** 2)
+
+
+def _states(
+    task: ReorientationTask, nodes: Floats, omega: Floats, u: Floats, step: Floats
+) -> Floats:
+    """States of the programme at all nodes, (S, N + 1, s)."""
+    form = task.form
+    squared = (nodes**2).sum(axis=-1, keepdims=True)
+    relative = np.concatenate([1.0 - squared, 2.0 * nodes], axis=-1) / (1.0 + squared)
+    attitude = _product(np.asarray(task.departure.q_ob), relative)
+    if form.body.attitude == "mrp":
+        attitude = attitude * np.where(attitude[..., :1] < 0.0, -1.0, 1.0)
+        attitude = attitude[..., 1:] / (1.0 + attitude[..., :1])
+    parts = [attitude, omega]
+    if form.body.momentum == "carried":
+        parts.append(_to_body(nodes, task.momentum))
+    if form.speed_limited:
+        spent = np.cumsum(u * step[:, None, None], axis=1)
+        parts.append(np.concatenate([np.zeros_like(u[:, :1]), spent], axis=1))
+    parts.append(np.broadcast_to(np.log(step)[:, None, None], (*nodes.shape[:2], 1)))
+    return np.concatenate(parts, axis=-1)
+
+
+def _product(p: Floats, q: Floats) -> Floats:
+    """Product of a quaternion (4,) and others (..., 4)."""
+    w = p[0] * q[..., :1] - (q[..., 1:] @ p[1:])[..., None]
+    return np.concatenate(
+        [w, p[0] * q[..., 1:] + q[..., :1] * p[1:] + np.cross(p[1:], q[..., 1:])], axis=-1
+    )

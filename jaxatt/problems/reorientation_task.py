@@ -1,0 +1,260 @@
+"""A reorientation in free time: its numbers for the solver, and its judge."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.attitude import errors, mrp, quaternion
+from jaxatt.environment.table import EnvironmentTable, Surroundings, tabulate
+from jaxatt.problems.actuation import actuation
+from jaxatt.problems.pointing import PointingLimits, cone_angles
+from jaxatt.problems.reorientation import (
+    ReorientationForm,
+    ReorientationParameters,
+    reorientation,
+)
+from jaxatt.problems.slew_case import Aim, Departure
+from jaxatt.problems.task import Floats, Verdict
+from jaxatt.runtime import QUICK_TO_COMPILE
+from jaxatt.simulation.chunks import in_chunks
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
+from jaxatt.simulation.free_body import BodyForm, FreeBody
+from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+
+_AT_REST = 1e-12
+"""[N m s] Total momentum that counts as none."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pointing:
+    """limits : cones and rate limits.  directions : (m, 3), unit vectors in inertial axes."""
+
+    limits: PointingLimits
+    directions: Floats
+
+
+@dataclass(frozen=True)
+class TimeGoal:
+    """What is minimised, and how it is transcribed.
+
+    effort_weight : rho [1/(N m)^2]; 0 for the least time.
+    attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".  substeps : an interval.
+    shortest, longest : [s], limits of the final time.
+    """
+
+    effort_weight: float
+    attitude: str = "quaternion"
+    integration: str = "rk4"
+    substeps: int = 1
+    shortest: float = 0.0
+    longest: float = np.inf
+
+
+def unconstrained() -> Pointing:
+    """No cones and no limits on the rate."""
+    return Pointing(
+        PointingLimits(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0)), np.zeros((0, 3))
+    )
+
+
+@functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
+def _fly_many(
+    craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable, h: Array
+) -> Trajectory:
+    def one(torque: Array, h: Array) -> Trajectory:
+        return fly_torque(craft, start, torque, replace(table, substep=h))
+
+    return jax.vmap(one)(torque, h)
+
+
+_angle = jax.jit(errors.angle)
+
+
+class ReorientationTask:
+    """From one attitude to another in a time that is found, relative to the inertial frame.
+
+    craft : vehicle.  departure, aim : where it begins and ends.  intervals : N.
+    """
+
+    def __init__(
+        self,
+        craft: Spacecraft,
+        departure: Departure,
+        aim: Aim,
+        intervals: int,
+        goal: TimeGoal,
+        pointing: Pointing | None = None,
+    ):
+        self.craft, self.departure, self.aim = craft, departure, aim
+        self.intervals, self.goal = intervals, goal
+        self.pointing = pointing or unconstrained()
+        self.actuation = actuation(craft)
+        wheels = craft.wheels
+        self.start = AttitudeState(
+            jnp.asarray(departure.q_ob),
+            jnp.asarray(departure.omega_ob),
+            jnp.asarray(departure.omega_bw),
+        )
+        momentum = np.asarray(total_momentum(craft, departure.omega_ob, departure.omega_bw))
+        limited = bool(np.isfinite(np.asarray(wheels.speed_limit)).any())
+        self.form = ReorientationForm(
+            BodyForm(
+                goal.attitude,
+                goal.integration,
+                "own" if not wheels.count else self._momentum_form(momentum),
+                goal.substeps,
+            ),
+            time_limited=goal.shortest > 0.0 or np.isfinite(goal.longest),
+            speed_limited=limited,
+            cones=self.pointing.limits.count,
+            rate_limited=bool(self.pointing.limits.rate_limit.shape[-1]),
+        )
+        self.program = reorientation(self.form, self.actuation.size)
+        self.momentum = momentum
+        self.parameters = self._parameters()
+
+    def _momentum_form(self, momentum: Floats) -> str:
+        still = float(np.linalg.norm(momentum)) <= _AT_REST and not self.craft.thrusters.count
+        return "zero" if still else "carried"
+
+    def _parameters(self) -> ReorientationParameters:
+        craft, wheels, a = self.craft, self.craft.wheels, self.actuation
+        q = np.asarray(self.departure.q_ob)
+        attitude = np.asarray(mrp.from_quaternion(q)) if self.form.body.attitude == "mrp" else q
+        begin = [attitude, self.departure.omega_ob]
+        if self.form.body.momentum == "carried":
+            begin.append(self.momentum)
+        goal = self.goal
+        return ReorientationParameters(
+            body=FreeBody(
+                jnp.asarray(craft.inertia),
+                jnp.asarray(np.linalg.inv(np.asarray(craft.inertia_without_spin))),
+            ),
+            start=jnp.asarray(np.concatenate(begin)),
+            step=jnp.asarray(1.0),
+            share=jnp.ones(self.intervals),
+            reference=jnp.asarray(self.reference(1.0)),
+            reference_rate=jnp.asarray(self.aim.omega_ob),
+            to_body=jnp.asarray(a.to_body),
+            to_external=jnp.asarray(a.to_external),
+            lower=jnp.asarray(a.lower),
+            upper=jnp.asarray(a.upper),
+            scale=jnp.asarray(a.scale),
+            effort_weight=jnp.asarray(goal.effort_weight),
+            shortest=jnp.asarray(max(goal.shortest, 1e-9)),
+            longest=jnp.asarray(min(goal.longest, 1e9)),
+            limits=jax.tree.map(jnp.asarray, self.pointing.limits),
+            directions=jnp.asarray(self.pointing.directions),
+            wheel_speed=jnp.asarray(self.departure.omega_bw),
+            wheel_axes=jnp.asarray(wheels.axes),
+            wheel_inertia=jnp.asarray(wheels.inertia),
+            to_wheels=jnp.asarray(a.to_wheels),
+            speed_limit=jnp.asarray(wheels.speed_limit),
+        )
+
+    def turn(self, sign: float) -> Floats:
+        """MRP of the target relative to the start, the short way (1) or the long way (-1), (3,)."""
+        begin, end = np.asarray(self.departure.q_ob), np.asarray(self.aim.q_ob)
+        relative = np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
+        relative = relative * (sign if relative[0] >= 0.0 else -sign)
+        return np.asarray(relative[1:] / (1.0 + relative[0]))
+
+    def reference(self, sign: float) -> Floats:
+        """The target attitude in the programme's coordinates, for the short or the long way."""
+        sigma = self.turn(sign)
+        squared = float(sigma @ sigma)
+        relative = np.concatenate([[1.0 - squared], 2.0 * sigma]) / (1.0 + squared)
+        end = np.asarray(quaternion.multiply(np.asarray(self.departure.q_ob), relative))
+        if self.form.body.attitude == "mrp":
+            return np.asarray(mrp.from_quaternion(end))
+        return end
+
+    @property
+    def at_target(self) -> bool:
+        """Whether the start is the target already, to the last digits."""
+        turned = float(np.linalg.norm(self.turn(1.0)))
+        moved = np.abs(np.asarray(self.aim.omega_ob) - np.asarray(self.departure.omega_ob)).max()
+        return turned < _AT_REST and float(moved) < _AT_REST
+
+    def torques(self, u: Floats) -> Floats:
+        """Torques of wheels and thrusters, (S, N, n + m) [N m], of scaled controls."""
+        return self.actuation.torques(u)
+
+    def fly(self, torque: Floats, step: Floats, between: int = 1) -> Trajectory:
+        """Fly torques (S, N, n + m) [N m] held for steps (S,) [s], at least 20 RK4 steps each.
+
+        between : nodes of the flight an interval.
+        """
+        substeps = -(-MINIMUM_SUBSTEPS // between)
+        fine = np.repeat(torque, between, axis=1)
+        table = tabulate(_INERTIAL, 0.0, 1.0, fine.shape[1], substeps)
+        h = np.broadcast_to(np.asarray(step, float), (len(torque),)) / (between * substeps)
+        craft, start = self.craft, self.start
+        return in_chunks(
+            lambda chunk: _fly_many(craft, start, chunk[0], table, chunk[1]),
+            (fine, h),
+            key=("fly reorientation", fine.shape[1:], substeps),
+        )
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
+        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+
+    def judge(self, flown: Trajectory, torque: Floats) -> Verdict:
+        """Errors of flights at their end, and limits at all of their nodes."""
+        wheels, thrusters, n = self.craft.wheels, self.craft.thrusters, self.craft.wheels.count
+        q = np.asarray(flown.q_ob)
+        found = {
+            "attitude": np.asarray(_angle(self.aim.q_ob, q[:, -1])),
+            "rate": np.linalg.norm(np.asarray(flown.omega_ob)[:, -1] - self.aim.omega_ob, axis=-1),
+        }
+        wheel, thrust = torque[..., :n], torque[..., n:]
+        excess = np.concatenate(
+            [
+                np.abs(wheel) - np.asarray(wheels.torque_limit),
+                np.maximum(thrust - np.asarray(thrusters.torque_limit), -thrust),
+            ],
+            axis=-1,
+        )
+        worst = [np.zeros(len(q))]
+        speed = np.abs(np.asarray(flown.omega_bw)) / np.asarray(wheels.speed_limit) - 1.0
+        worst.append(speed.max(axis=(1, 2), initial=-1.0))
+        if self.form.rate_limited:
+            rate = np.abs(np.asarray(flown.omega_ib)) / np.asarray(self.pointing.limits.rate_limit)
+            worst.append((rate - 1.0).max(axis=(1, 2)))
+        if self.form.cones:
+            worst.append(self.cone_excess(q).max(axis=(1, 2)))
+        return Verdict(
+            found,
+            self.tolerances,
+            np.maximum(0.0, excess.max(axis=(1, 2), initial=0.0)),
+            np.max(worst, axis=0),
+        )
+
+    def cone_excess(self, q: Floats) -> Floats:
+        """By how much every cone is violated along flights, (S, M, m) [rad]; negative inside."""
+        limits = self.pointing.limits
+        directions = np.broadcast_to(self.pointing.directions, (*q.shape[:2], limits.count, 3))
+        angle = np.asarray(cone_angles(jnp.asarray(q), jnp.asarray(directions), limits.boresights))
+        return np.asarray(limits.senses * (angle - np.arccos(np.asarray(limits.cosines))))
+
+    def effort(self, torque: Floats, step: Floats) -> Floats:
+        """Integral of the sum of squared torques, (S,) [(N m)^2 s]."""
+        return np.asarray((torque**2).sum(axis=(-2, -1)) * step)
+
+    def cost(self, torque: Floats, step: Floats) -> Floats:
+        """Final time and weighted effort, (S,) [s]; eq. (22) of the source with all N terms."""
+        return self.intervals * step + self.goal.effort_weight * self.effort(torque, step)
+
+
+_INERTIAL = Surroundings(
+    None, jnp.asarray(1.0), jnp.asarray(0.0), jnp.asarray(0.0), jnp.asarray(0.0)
+)
