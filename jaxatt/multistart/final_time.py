@@ -5,8 +5,8 @@ the final time at which torque limits bind, plus the price of the time.  So its 
 final time of some support, and the search is one over supports:
 
 1. A full search at the longest final time, and starts alone at a few shorter ones.
-2. The cheapest support is shortened to its least final time.
-3. It is exchanged for others that would cost less, see `least_time`.
+2. The cheapest support is shortened to its least final time, see `least_time`.
+3. It is exchanged for others that would cost less.
 4. All starts again at the final time found; if they find a cheaper support, once more from 2.
 
 Where the cost is smooth in the final time (L1, the printed costs), a few final times bracket the
@@ -14,6 +14,7 @@ optimum and a golden section search narrows it.
 
 That no final time in between does better is not proved: both ways take it that a support which
 reaches within limits still does in more time, or that the cost has one valley in the bracket.
+Wheel speed limits that did not bind at the longest final time are left to the verdict at others.
 """
 
 from __future__ import annotations

@@ -15,13 +15,17 @@ import numpy as np
 
 from jaxatt.multistart.bursts import burst_supports
 from jaxatt.multistart.candidates import support_of
+from jaxatt.multistart.dilate import dilate
 from jaxatt.multistart.polish import SCREENING, Method, polish
 from jaxatt.multistart.time_cost import Ledger, Offer, Rebuild, cheaper
 from jaxatt.optimize.support import Mask, neighbours
 from jaxatt.problems.task import Task
 
 TOLERANCE = 1e-4
-"""Relative width to which a least final time is known."""
+"""Relative width to which bisection narrows a least final time."""
+
+NEAR = 0.03
+"""The same before the step becomes a variable."""
 
 _GALLOP = 0.8
 _ROUNDS = 40
@@ -32,20 +36,38 @@ _LONGER_BURST = 1
 def shorten(offer: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> Offer:
     """The same support at its least final time.
 
-    By bisection on whether the least effort on it, within all limits, reaches: shorter and shorter
-    until it does not, then in between.  Final times between which it fails are not looked for.
+    Bisection on whether the least effort on it, within all limits, reaches leads near it:  shorter
+    and shorter until it does not, then in between.  Final times between which it fails are not
+    looked for.  From there a programme with the step as a variable leads to it;  where that does
+    not succeed, bisection goes on.
     """
     support = support_of(offer.task, offer.answer.controls[0])
+    good, bad = _bisected(offer, 0.0, NEAR, support, rebuild, method, ledger)
+    least = dilate(good, rebuild, ledger) if support.any() else None
+    if least is not None and least.cost <= good.cost:
+        return least
+    return _bisected(good, bad, TOLERANCE, support, rebuild, method, ledger)[0]
+
+
+def _bisected(
+    good: Offer,
+    bad: float,
+    tolerance: float,
+    support: Mask,
+    rebuild: Rebuild,
+    method: Method,
+    ledger: Ledger,
+) -> tuple[Offer, float]:
+    """A final time at which a support reaches and a shorter one at which it does not, or zero."""
     lowest = ledger.pricing.lowest
-    good, bad = offer, 0.0
-    while good.final_time - max(lowest, bad) > TOLERANCE * good.final_time:
+    while good.final_time - max(lowest, bad) > tolerance * good.final_time:
         shorter = math.sqrt(bad * good.final_time) if bad else _GALLOP * good.final_time
         tried = _on(good, support, max(lowest, shorter), rebuild, method, ledger)
         if tried.cost <= good.cost:
             good = tried
         else:
             bad = tried.final_time
-    return good
+    return good, bad
 
 
 def _on(
@@ -89,7 +111,7 @@ def finish(offer: Offer, method: Method, ledger: Ledger) -> Offer:
     task, answer = offer.task, offer.answer
     support = support_of(task, answer.controls[0])[None]
     ended = polish(task, task.from_controls(answer.controls), support, answer.sign, method)
-    tried = ledger.offer(task, ended, "support")
+    tried = ledger.offer(task, ended, "support", exact=bool(support.any()))
     return tried if cheaper(tried, offer) else offer
 
 

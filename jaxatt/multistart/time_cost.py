@@ -24,7 +24,8 @@ class Trial:
 
     final_time : [s].  cost : with the time's own; infinite where nothing reached the target.
     active_intervals : of the best answer there.  reached : whether it reached the target.
-    how : "starts", "search", "support" (one support of active intervals) or "exchange" (many).
+    how : "starts", "search", "support" (one support of active intervals), "exchange" (many) or
+        "least time" (one support, with the step as a variable).
     """
 
     final_time: float

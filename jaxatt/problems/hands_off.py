@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -52,6 +52,7 @@ class SparseSystem:
     margins : (u, plant) -> (p,), path constraints, non-negative when satisfied.
     stage_margins : (u, plant) -> (N, q), control limits, non-negative when satisfied.
     turned : (plant, sign) -> plant, aimed at the target the short (1) or the long (-1) way round.
+    stretched : (plant, ratio) -> plant, with intervals `ratio` times as long.
     response : (u, plant) -> (m,) and (N, m, b), the errors that `rows` measures, in any smooth
         measure that vanishes where they do, and their derivatives; None where path constraints
         rule out a search that does not know them.
@@ -70,6 +71,9 @@ class SparseSystem:
     margins: Callable[[Array, Any], Array]
     stage_margins: Callable[[Array, Any], Array]
     turned: Callable[[Any, Array], Any] = lambda plant, sign: plant
+    stretched: Callable[[Any, Array], Any] = lambda plant, ratio: replace(
+        plant, step=plant.step * ratio
+    )
     response: Callable[[Array, Any], tuple[Array, Array]] | None = None
     equations: Callable[[Array, Array, Array, Array, Any], Equations] | None = None
     limits: Callable[[Any], Array] | None = None

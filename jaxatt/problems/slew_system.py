@@ -31,6 +31,11 @@ def _equations(
     return pulse_equations(u, weights, moved, accurate, p, form)
 
 
+def _stretched(p: SlewParameters, ratio: Array) -> SlewParameters:
+    table = replace(p.table, substep=p.table.substep * ratio)
+    return replace(p, step=p.step * ratio, table=table)
+
+
 @functools.cache
 def slew_system(form: SlewForm) -> SparseSystem:
     """The slew as a system for sparse control, with the terms of `form` compiled in."""
@@ -40,6 +45,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
             margins=lambda u, p: jnp.zeros((0,), u.dtype),
             stage_margins=bound_margins,
             turned=lambda p, sign: replace(p, reference=p.reference * sign),
+            stretched=_stretched,
             response=lambda u, p: propelled_response(u, p, form),
             bounds=lambda p: (p.lower, p.upper),
             path=(lambda u, p: path_response(u, p, form)) if form.pointed else None,
@@ -50,6 +56,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
         margins=lambda u, p: path_margins(u, p, form),
         stage_margins=torque_margins,
         turned=lambda p, sign: replace(p, reference=p.reference * sign),
+        stretched=_stretched,
         response=None if form.path_limited else lambda u, p: slew_response(u, p, form),
         equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,

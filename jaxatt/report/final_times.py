@@ -74,7 +74,7 @@ def final_times_panels(axes: Sequence[Axes], leg: Leg) -> None:
     tried = leg.final_times
     assert tried is not None
     above, below = axes
-    known = tried.reached
+    known = np.isfinite(tried.costs)
     for panel, values in ((above, tried.costs), (below, tried.active_intervals)):
         panel.scatter(tried.final_time[known], values[known], s=22, c=colour(0), alpha=0.7)
         panel.set_xlim(0.0, 1.04 * float(tried.final_time.max()))
@@ -93,11 +93,14 @@ def final_times_panels(axes: Sequence[Axes], leg: Leg) -> None:
         above.scatter(leg.final_time, tried.cost, **answer)
         below.scatter(leg.final_time, leg.active_intervals, **answer)
         # What costs far more than the answer would leave no room for what competes with it.
-        above.set_ylim(0.0, 1.08 * min(3.0 * tried.cost, float(tried.costs[known].max())))
+        top = min(3.0 * tried.cost, float(tried.costs[known].max()))
+        above.set_ylim(0.0, 1.08 * top if top > 0.0 else 1.0)
         most = float(tried.active_intervals[known].max())
         below.set_ylim(0.0, 1.08 * min(3.0 * leg.active_intervals + 4.0, most + 1.0))
-    above.plot([], [], "o", color=colour(0), alpha=0.7, label="an answer reached")
-    above.plot([], [], color=colour(1), linewidth=0.8, alpha=0.6, label="none of those tried did")
+    above.plot([], [], "o", color=colour(0), alpha=0.7, label="cheapest answer")
+    above.plot(
+        [], [], color=colour(1), linewidth=0.8, alpha=0.6, label="none of those tried reached"
+    )
     above.set_ylabel("cost")
     above.legend(fontsize=8, frameon=False, loc="best")
     below.set_ylabel("active intervals")

@@ -117,6 +117,18 @@ def test_legs_of_different_steps_share_a_dataset(timed, tmp_path):
     np.testing.assert_array_equal(found.trial_cost.values, [[12, 9.4, np.inf], [12, 9.4, np.nan]])
 
 
+@pytest.mark.parametrize("costs", [[0.0, 0.0, 0.0], [29.3, 28.9, np.inf], [np.inf] * 3])
+def test_the_figure_bears_costs_of_any_kind(make, costs):
+    """Zero, of a printed cost that nothing reached, and none at all."""
+    record = dataclasses.replace(
+        TRIED, cost=min(costs), costs=np.array(costs), reached=np.zeros(3, bool)
+    )
+    result = make(final_times=record, active=np.zeros(50, bool))
+    figure = plots.figures(result)["final_times"]
+    figure.canvas.draw()
+    assert len(figure.get_axes()) == 2
+
+
 def test_the_figure_marks_the_answer(make, timed):
     assert "final_times" not in plots.figures(make())
     axes = plots.figures(timed)["final_times"].get_axes()
@@ -125,4 +137,4 @@ def test_the_figure_marks_the_answer(make, timed):
     assert (64.0, 9.4) in [tuple(star[0]) for star in stars]
     assert axes[-1].get_xlabel() == "final time [s]"
     words = [text.get_text() for text in axes[0].get_legend().get_texts()]
-    assert words == ["an answer reached", "none of those tried did"]
+    assert words == ["cheapest answer", "none of those tried reached"]

@@ -7,6 +7,7 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.scenarios import ScenarioError
+from jaxatt.simulating import plan_of
 
 DOCUMENT = tomllib.loads(scenarios.text("hypso1-90-0-0"))
 FREE = {"intervals": 50, "final_time": "free", "longest_s": 90.0}
@@ -102,3 +103,11 @@ def test_the_toys_have_a_free_final_time_too():
     case = scenarios.from_mapping(document)
     assert case.horizon.duration == 8.0
     assert case.objective.time_weight == 0.5
+
+
+def test_a_flight_cannot_follow_intervals_of_any_length():
+    flight = scenarios.replace_in_flight(
+        scenarios.load_flight("hypso1-tracking"), {"reference.manoeuvre": "hypso1-90-0-0-free"}
+    )
+    with pytest.raises(ScenarioError, match=r"hypso1-90-0-0-free.*final time is free.*fixed final"):
+        plan_of(flight)
