@@ -152,6 +152,7 @@ def _valves(
             q.on_time,
             q.partly_open,
             q.opposed,
+            "; ".join(broken_limit(extreme) for extreme in q.extremes if not extreme.satisfied),
         )
         for q in found
     )
