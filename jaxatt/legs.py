@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from jaxatt import scenarios
@@ -15,7 +17,7 @@ from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
 from jaxatt.report.result import Leg, PointingRecord, StartsRecord, Valves
-from jaxatt.report.wording import broken_limit
+from jaxatt.report.wording import broken_limit, limit_label
 from jaxatt.simulation.flight import Trajectory
 
 
@@ -127,6 +129,19 @@ def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
         directions=lookout.directions,
         extremes=task.watch(flown).extremes(times),
         guard=guard[:-1],
+    )
+
+
+def guard_notes(leg: Leg) -> tuple[str, ...]:
+    """Which cones the search of a leg took stricter than they are, in words."""
+    record = leg.pointing
+    if record is None:
+        return ()
+    return tuple(
+        f"{limit_label(extreme.kind, extreme.name)} was taken {math.degrees(guard):.2g} deg "
+        "stricter, so that the way between the nodes keeps to it"
+        for extreme, guard in zip(record.extremes, record.guard, strict=False)
+        if guard > 0.0
     )
 
 

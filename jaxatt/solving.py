@@ -16,7 +16,7 @@ from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
 from jaxatt.control.pd import PDLaw
 from jaxatt.control.schmitt import SchmittLaw
-from jaxatt.legs import leg_of
+from jaxatt.legs import guard_notes, leg_of
 from jaxatt.multistart.limited_search import search_within_limits
 from jaxatt.multistart.search import Report, search
 from jaxatt.problems.slew_case import Departure
@@ -97,7 +97,7 @@ def solve(
         device=str(jax.devices()[0].device_kind),
         precision="float64",
         versions=versions(),
-        notes=scenario.notes,
+        notes=(*scenario.notes, *(note for leg in legs for note in guard_notes(leg))),
         extra=(
             {"do_nothing_cost": resting_cost} if scenario.objective.terminal == "penalty" else {}
         ),

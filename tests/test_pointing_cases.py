@@ -186,6 +186,17 @@ def test_certificates_and_feedback_baselines_know_of_cones():
     assert flown.errors["attitude"] < np.pi
 
 
+def test_legs_one_after_another_are_watched_each(tmp_path):
+    cone = {**AWAY, "name": "dish", "half_angle_deg": 5.0}
+    result = jaxatt.solve(short("hypso1-path-two", keep_out=[cone]))
+    assert result.reached
+    entries = result.summary()["pointing"]
+    assert [entry["leg"] for entry in entries if entry["name"] == "dish"] == [1, 2]
+    written = {path.name for path in result.save(tmp_path)}
+    assert {"pointing.png", "result.nc", "summary.json"} <= written
+    assert "keep-out dish" in str(result)
+
+
 def test_judges_see_between_the_nodes():
     """A flight whose nodes keep to a cone and whose way between them does not is not reached."""
     _, plain, crossing = unconstrained()
