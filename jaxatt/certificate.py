@@ -214,10 +214,10 @@ def certify(
 
 def _checked(scenario: scenarios.Scenario) -> None:
     task = build_task(scenario)
-    if task.system.response is None:
+    if task.system.response is None or (isinstance(task, SlewTask) and task.pointing):
         raise scenarios.ScenarioError(
-            f"{scenario.name}: has path constraints (such as wheel speed limits), under which "
-            "supports cannot be tried one by one; certify it without them"
+            f"{scenario.name}: has path constraints (wheel speed limits, cones, limits on the "
+            "rate), under which supports cannot be tried one by one; certify it without them"
         )
 
 

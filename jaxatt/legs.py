@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -17,7 +18,7 @@ from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
 from jaxatt.problems.toy import ToyTask
 from jaxatt.report.result import FinalTimes, Leg, PointingRecord, StartsRecord, Valves
-from jaxatt.report.wording import broken_limit
+from jaxatt.report.wording import broken_limit, limit_label
 from jaxatt.simulation.flight import Trajectory
 
 
@@ -134,6 +135,19 @@ def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
     )
 
 
+def guard_notes(leg: Leg) -> tuple[str, ...]:
+    """Which cones the search of a leg took stricter than they are, in words."""
+    record = leg.pointing
+    if record is None:
+        return ()
+    return tuple(
+        f"{limit_label(extreme.kind, extreme.name)} was taken {math.degrees(guard):.2g} deg "
+        "stricter, so that the way between the nodes keeps to it"
+        for extreme, guard in zip(record.extremes, record.guard, strict=False)
+        if guard > 0.0
+    )
+
+
 def _valves(
     scenario: scenarios.Scenario, task: Task, controls: Floats, sign: float, aims: bool
 ) -> tuple[Valves, ...]:
@@ -156,6 +170,7 @@ def _valves(
             q.on_time,
             q.partly_open,
             q.opposed,
+            "; ".join(broken_limit(extreme) for extreme in q.extremes if not extreme.satisfied),
         )
         for q in found
     )

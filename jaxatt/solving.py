@@ -15,7 +15,7 @@ import jax.numpy as jnp
 from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
 from jaxatt.leg_search import search_leg
-from jaxatt.legs import leg_of
+from jaxatt.legs import guard_notes, leg_of
 from jaxatt.multistart.search import Report
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.task import Floats
@@ -99,7 +99,7 @@ def solve(
         device=str(jax.devices()[0].device_kind),
         precision="float64",
         versions=versions(),
-        notes=scenario.notes,
+        notes=(*scenario.notes, *(note for leg in legs for note in guard_notes(leg))),
         extra=(
             {"do_nothing_cost": resting_cost} if scenario.objective.terminal == "penalty" else {}
         ),

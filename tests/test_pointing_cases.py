@@ -10,6 +10,7 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.scenarios.build import build_task
+from jaxatt.studies.baseline import fly_pd_legs
 
 PIECES = 12
 SHORT = {
@@ -53,6 +54,8 @@ OUT_OF_THE_WAY = [
     for k, direction in enumerate(([0.2, 0.3, -0.9], [0.4, -0.1, -0.9]))
 ]
 """Beside one cone, so that all these slews have three and compile once."""
+
+AWAY = {**OUT_OF_THE_WAY[0], "name": "needle 2", "direction_inertial": [0.1, 0.2, -0.9]}
 
 
 def random_cone(rng, flight):
@@ -141,6 +144,61 @@ def test_half_a_turn_past_a_cone_and_slow_enough():
     flown = reflight.refly(scenario, result, PIECES)[0][1]
     assert reflight.cone_angle(flown, *cone[:2]).min() >= cone[2] * (1 - 2e-6)
     assert np.abs(flown.omega).max() <= 1.5 * peak * (1 + 2e-6)
+
+
+def test_a_boresight_is_kept_within_a_cone():
+    _, _, crossing = unconstrained()
+    rng = np.random.default_rng(9)
+    for boresight in rng.normal(size=(500, 3)):
+        boresight = unit(boresight)
+        begin, middle, end = (attitude(crossing, k) @ boresight for k in (0, PIECES * 12, -1))
+        between = unit(begin + end)
+        bulge = unit(middle - (middle @ between) * between)
+        # To the side that the way bulges away from, so that its middle is the farthest.
+        direction = 0.5 * between - np.sqrt(0.75) * bulge
+        half = np.arccos(min(begin @ direction, end @ direction)) + np.deg2rad(3.0)
+        farthest = reflight.cone_angle(crossing, boresight, direction).max()
+        if farthest > half + np.deg2rad(3.0):
+            break
+    assert farthest > half
+    cone = keep_out("antenna", boresight, direction, half)
+    scenario = short(keep_in=[cone], keep_out=OUT_OF_THE_WAY)
+    result = jaxatt.solve(scenario)
+    assert result.reached, result.legs[0].obstacle
+    flown = reflight.refly(scenario, result, PIECES)[0][1]
+    assert reflight.cone_angle(flown, boresight, direction).max() <= half * (1 + 2e-6)
+    found = next(e for e in result.summary()["pointing"] if e["name"] == "antenna")
+    assert found["kind"] == "keep-in" and found["farthest_deg"] <= found["allowed_deg"]
+
+
+def test_a_rate_too_slow_for_the_horizon_is_named_as_the_obstacle():
+    _, _, crossing = unconstrained()
+    limit = float(np.rad2deg(0.3 * np.abs(crossing.omega).max()))
+    result = jaxatt.solve(
+        short(keep_out=[*OUT_OF_THE_WAY, AWAY], **{"limits.body_rate_deg_s": limit})
+    )
+    assert not result.reached
+    assert "body rate is broken: fastest" in result.legs[0].obstacle
+    assert result.summary()["pointing"][-1]["kind"] == "body-rate"
+
+
+def test_certificates_and_feedback_baselines_know_of_cones():
+    scenario = short("hypso1-90-45-15-keep-out")
+    with pytest.raises(scenarios.ScenarioError, match="cones"):
+        jaxatt.certify(scenario)
+    (flown,) = fly_pd_legs(scenario)
+    assert flown.errors["attitude"] < np.pi
+
+
+def test_legs_one_after_another_are_watched_each(tmp_path):
+    cone = {**AWAY, "name": "dish", "half_angle_deg": 5.0}
+    result = jaxatt.solve(short("hypso1-path-two", keep_out=[cone]))
+    assert result.reached
+    entries = result.summary()["pointing"]
+    assert [entry["leg"] for entry in entries if entry["name"] == "dish"] == [1, 2]
+    written = {path.name for path in result.save(tmp_path)}
+    assert {"pointing.png", "result.nc", "summary.json"} <= written
+    assert "keep-out dish" in str(result)
 
 
 def test_judges_see_between_the_nodes():

@@ -127,7 +127,7 @@ def _polished_again(task: SlewTask, found: Found, inner: str) -> Found:
     polished = polish(task, u, supports, every.sign, method)
     kept = polished.where(polished.verdict.reached | ~every.verdict.reached, every)
     starts = kept.pick(np.arange(1, len(every.controls)))
-    return chosen(task, starts, join(kept, every))
+    return chosen(task, starts, kept)
 
 
 def _grown(outcome: Limited) -> Floats | None:

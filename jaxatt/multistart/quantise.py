@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import jax
 import numpy as np
 
 from jaxatt.multistart.on_off_search import nearest_pattern
 from jaxatt.multistart.pulse_widths import pulses_of, solve_widths
+from jaxatt.problems.pointing_watch import Extreme
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Flags, Floats
 from jaxatt.simulation.flight import Trajectory
@@ -30,6 +32,7 @@ class Quantised:
     active : (N,), intervals with any torque.  on_time : (m,) [s], open time of each thruster.
     partly_open : sampled torques that are neither zero nor the limit.
     opposed : intervals in which opposed thrusters are open together.
+    extremes : where it came nearest to breaking its cones and rate limits.
     """
 
     mode: str
@@ -41,6 +44,7 @@ class Quantised:
     on_time: Floats
     partly_open: int
     opposed: int
+    extremes: tuple[Extreme, ...] = ()
 
 
 def quantise(
@@ -70,17 +74,23 @@ def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
     found = {name: float(error[0]) for name, error in errors.items()}
     limit = np.asarray(task.craft.thrusters.torque_limit)
     _, sampled = pulses.thrust(limit)
+    extremes: tuple[Extreme, ...] = ()
+    if task.watches:
+        one = jax.tree.map(lambda leaf: leaf[None], flown)
+        extremes = task.watch(one).extremes(task.lookout.times - task.grid.start_time)
+    arrived = all(error <= task.tolerances[name] for name, error in found.items())
     wheels = np.any(np.abs(pulses.wheel_torque) > task.threshold, axis=1)
     return Quantised(
         mode,
         pulses,
         flown,
         found,
-        all(error <= task.tolerances[name] for name, error in found.items()),
+        arrived and all(extreme.satisfied for extreme in extremes),
         np.any(pulses.on_time > 0.0, axis=1) | wheels,
         pulses.on_time.sum(axis=0),
         partly_open(sampled, limit),
         overlaps(pulses, task.craft.thrusters.opposed),
+        extremes,
     )
 
 

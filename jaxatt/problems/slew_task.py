@@ -33,7 +33,7 @@ from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
 from jaxatt.simulation.pulse_flight import fly_pulses
-from jaxatt.simulation.pulses import Pulses
+from jaxatt.simulation.pulses import Pulses, split
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
@@ -166,6 +166,11 @@ class SlewTask(Task):
         return other
 
     @property
+    def watches(self) -> bool:
+        """Whether flights are looked at between the nodes."""
+        return bool(self.pointing) and self.judges_path
+
+    @property
     def has_path_limits(self) -> bool:
         """Whether anything but the controls is limited on the way."""
         return bool(self.pointing) or (self.has_speed_limits and not self.form.propelled)
@@ -215,7 +220,7 @@ class SlewTask(Task):
     def fly(self, controls: Floats) -> Trajectory:
         """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
         start, craft, every = self.start, self.craft, self.lookout.every
-        watched = bool(self.pointing) and self.judges_path
+        watched = self.watches
         table = self.lookout.fine if watched else self.table
         torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
         if watched:
@@ -232,16 +237,21 @@ class SlewTask(Task):
 
         coarse : with few Runge-Kutta steps, for iterations; at least 20 an interval otherwise.
         """
-        flown = _fly_pulses(
+        table, pieces = self.table, _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS
+        watched = self.watches and not coarse
+        if watched:
+            pulses, table, pieces = split(pulses, self.lookout.every), self.lookout.fine, 1
+        flown: Trajectory = _fly_pulses(
             self.craft,
             self.start,
             jnp.asarray(pulses.wheel_torque),
             jnp.asarray(pulses.opens),
             jnp.asarray(pulses.shuts),
-            self.table,
-            _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS,
+            table,
+            pieces,
         )
-        return jax.tree.map(np.asarray, flown)
+        flown = jax.tree.map(np.asarray, flown)
+        return at_nodes(flown, self.lookout.every) if watched else flown
 
     @property
     def tolerances(self) -> dict[str, float]:
@@ -274,7 +284,7 @@ class SlewTask(Task):
             axis=-1,
         )
         path = np.zeros(len(controls))
-        if self.pointing and self.judges_path:
+        if self.watches:
             path = self.watch(flown).violation
         speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
         return Verdict(

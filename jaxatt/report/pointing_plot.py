@@ -81,7 +81,15 @@ def _map(axes: Axes, result: Result, index: int) -> None:
     axes.tick_params(labelsize=7)
     handles, labels = axes.get_legend_handles_labels()
     kept = dict(zip(labels, handles, strict=True))
-    axes.legend(kept.values(), kept.keys(), frameon=False, fontsize=8, loc="lower right")
+    axes.legend(
+        kept.values(),
+        kept.keys(),
+        frameon=False,
+        fontsize=8,
+        ncols=3,
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.04),
+    )
 
 
 def _cone(axes: Axes, record: PointingRecord, index: int) -> None:

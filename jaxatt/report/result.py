@@ -56,6 +56,7 @@ class Valves:
     active : (N,), intervals with any torque.  on_time : (m,) [s].
     partly_open : sampled torques that are neither zero nor the limit.
     opposed : intervals in which opposed thrusters are open together.
+    obstacle : which cones and rate limits it breaks, in words; empty where none.
     """
 
     mode: str
@@ -69,6 +70,7 @@ class Valves:
     on_time: Floats
     partly_open: int
     opposed: int
+    obstacle: str = ""
 
     def __repr__(self) -> str:
         count = plural(int(self.active.sum()), "active interval")

@@ -150,6 +150,7 @@ def valves_summary(valves: Valves) -> dict[str, Any]:
         "on_time_s": valves.on_time.tolist(),
         "partially_open_samples": valves.partly_open,
         "opposed_firings": valves.opposed,
+        "obstacle": valves.obstacle,
     }
 
 
@@ -191,6 +192,7 @@ def _valves_together(legs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "on_time_s": np.sum([leg["on_time_s"] for leg in legs], axis=0).tolist(),
         "partially_open_samples": sum(leg["partially_open_samples"] for leg in legs),
         "opposed_firings": sum(leg["opposed_firings"] for leg in legs),
+        "obstacle": "; ".join(leg["obstacle"] for leg in legs if leg["obstacle"]),
     }
 
 

@@ -286,6 +286,7 @@ def _quantised(block: _Block) -> str:
     return (
         f"{valves['status']} ({valves['mode']}): {valves['active_intervals']} active, "
         f"{short(valves['attitude_error_deg'])} deg, {short(valves['rate_error_rad_s'])} rad/s"
+        + (f"; {valves['obstacle']}" if valves["obstacle"] else "")
     )
 
 

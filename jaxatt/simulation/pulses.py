@@ -41,6 +41,18 @@ class Pulses:
         return times, np.where(is_open, limit, 0.0).reshape(len(times), -1)
 
 
+def split(pulses: Pulses, parts: int) -> Pulses:
+    """The same openings, every interval cut into equal parts."""
+    step = pulses.step / parts
+    begins = step * np.arange(parts)[None, :, None]
+
+    def inside(times: Floats) -> Floats:
+        return np.clip(times[:, None] - begins, 0.0, step).reshape(-1, times.shape[1])
+
+    wheel = np.repeat(pulses.wheel_torque, parts, axis=0)
+    return Pulses(inside(pulses.opens), inside(pulses.shuts), wheel, step)
+
+
 def anchors(duty: Floats) -> Floats:
     """Where openings for a share (N, m) of each interval belong: 0 its start, 1 its end.
 

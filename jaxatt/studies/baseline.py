@@ -41,6 +41,8 @@ def fly_pd_legs(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]
     departure: Departure | None = None
     for index in range(len(scenario.targets)):
         task = build_task(scenario, index, departure)
+        if isinstance(task, SlewTask):
+            task = task.ignoring_path_limits()  # which the law does not know of
         if not isinstance(task, SlewTask):
             raise ValueError(
                 f"{scenario.name}: the PD law is for spacecraft, not {scenario.system}"

@@ -18,8 +18,9 @@ from jaxatt import scenarios
 from jaxatt.attitude import errors
 from jaxatt.multistart.bursts import nearest_bursts, try_bursts
 from jaxatt.multistart.candidates import join
+from jaxatt.multistart.limited_search import search_within_limits
 from jaxatt.multistart.polish import Method
-from jaxatt.multistart.search import Report, search
+from jaxatt.multistart.search import Report
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.report.figure import Picture, picture, save, tidy
 from jaxatt.report.files import filling
@@ -215,7 +216,7 @@ def _solved(
     scenario = scenarios.replace(base, {**changes, "objective.terminal": "reach"})
     task = build_task(scenario)
     assert isinstance(task, SlewTask)
-    found = search(task, starts, scenario.solver.seed, report=report)
+    found = search_within_limits(task, starts, scenario.solver.seed, report=report).found
     best, duration = found.best, task.intervals * task.step
     active = int((best.controls[0] > 0.0).any(axis=1).sum())
     slew = _slew(task)

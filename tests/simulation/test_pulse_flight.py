@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from jaxatt.environment.table import Surroundings, tabulate
-from jaxatt.simulation.flight import fly_torque
+from jaxatt.environment.table import Surroundings, refined, tabulate
+from jaxatt.simulation.flight import at_nodes, fly_torque
 from jaxatt.simulation.pulse_flight import fly_pulses
-from jaxatt.simulation.pulses import anchors, overlaps, partly_open, place
+from jaxatt.simulation.pulses import anchors, overlaps, partly_open, place, split
 from jaxatt.spacecraft import create, reaction_wheels, thrusters
 from jaxatt.spacecraft.dynamics import AttitudeState
 
@@ -122,3 +122,22 @@ def test_overlaps_are_counted_by_interval() -> None:
     duty = np.array([[1.0, 0.5], [0.5, 0.0], [0.0, 1.0]])
     pulses = place(duty, np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]]), np.zeros((3, 0)), STEP)
     assert overlaps(pulses, ((0, 1),)) == 1
+
+
+def test_a_flight_cut_finer_switches_at_the_same_instants():
+    rng = np.random.default_rng(12)
+    craft = mixed_craft(rng)
+    duty = rng.uniform(size=(COUNT, 4)) * (rng.uniform(size=(COUNT, 4)) < 0.7)
+    pulses = place(duty, anchors(duty), 0.02 * rng.normal(size=(COUNT, 3)), STEP)
+    q = rng.normal(size=4)
+    start = AttitudeState(*map(jnp.asarray, (q / np.linalg.norm(q), np.zeros(3), np.zeros(3))))
+    whole = _fly(craft, start, pulses.wheel_torque, pulses.opens, pulses.shuts, TABLE)
+    cut = split(pulses, 20)
+    np.testing.assert_allclose(cut.on_time.reshape(COUNT, 20, 4).sum(axis=1), pulses.on_time)
+    fine = jax.jit(fly_pulses, static_argnums=6)(
+        craft, start, cut.wheel_torque, cut.opens, cut.shuts, refined(TABLE), 1
+    )
+    sampled = at_nodes(fine, 20)
+    for name in ("q_ob", "omega_ib", "omega_bw", "thrust", "wheel_torque"):
+        np.testing.assert_allclose(getattr(sampled, name), getattr(whole, name), atol=1e-9)
+    assert sampled.fine is fine and fine.q_ob.shape[0] == 20 * (COUNT + COAST) + 1
