@@ -71,8 +71,8 @@ def solve(
     if scenario.objective.kind in TIME_KINDS:
         if not isinstance(guess, str) or (guess, inner) != ("pulses", "auto"):
             raise ValueError(
-                f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its own; "
-                "leave them out"
+                f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its "
+                "own; leave them out"
             )
         leg, verifying = time_leg(scenario, report)
         legs.append(leg)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 
 from jaxatt import scenarios
+from jaxatt.attitude import quaternion
 from jaxatt.multistart.arcs import Arcs, resolve_switches
 from jaxatt.multistart.free_time import FreeTimeFound, search_free_time
 from jaxatt.multistart.search import Report
@@ -14,9 +16,9 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.reorientation_task import ReorientationTask, TimeGoal
 from jaxatt.problems.slew_case import Aim, Departure
 from jaxatt.problems.task import Verdict
-from jaxatt.report.result import Leg, StartsRecord
+from jaxatt.report.result import Leg, PointingRecord, StartsRecord
 from jaxatt.report.time_optimum import TimeOptimum, switch_times
-from jaxatt.scenarios.build import pointing_of
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 
 
 def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
@@ -37,16 +39,17 @@ def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
         Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
         horizon.intervals,
         goal,
-        pointing_of(scenario),
+        scenario.pointing,
     )
 
 
-def time_leg(scenario: scenarios.Scenario, report: Report | None = None) -> Leg:
-    """Search the best turn of a scenario, and return it with how every start ended."""
+def time_leg(scenario: scenarios.Scenario, report: Report | None = None) -> tuple[Leg, float]:
+    """The best turn of a scenario with how every start ended, and seconds spent on its flight."""
     task = build_time_task(scenario)
     found = search_free_time(task, scenario.solver.starts, scenario.solver.seed, report)
     arcs = resolve_switches(task, found) if scenario.objective.kind == "minimum-time" else None
-    return _leg(scenario, task, found, arcs)
+    began = time.perf_counter()
+    return _leg(scenario, task, found, arcs), time.perf_counter() - began
 
 
 def _leg(
@@ -55,6 +58,7 @@ def _leg(
     best, n = found.best, task.craft.wheels.count
     torque, step = found.controls[best], float(found.step[best])
     flown = task.fly(torque[None], np.array([step]))
+    pointing = _pointing(task, found)
     verdict = found.verdict.pick(np.array([best]))
     reached = bool(verdict.reached[0])
     effort = float(task.effort(torque, np.asarray(step)))
@@ -111,6 +115,7 @@ def _leg(
             shortfall=found.verdict.shortfall,
             distinct_minima=found.minima,
         ),
+        pointing=pointing,
         time_optimum=TimeOptimum(
             effort_weight=scenario.objective.effort_weight,
             cost=float(found.cost[best]),
@@ -130,13 +135,36 @@ def _leg(
     )
 
 
+def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:
+    """What the best answer's flight says of cones and rate limits."""
+    if not task.pointing:
+        return None
+    torque, step = found.controls[found.best][None], found.step[found.best][None]
+    flown = task.fly(torque, step, between=MINIMUM_SUBSTEPS)
+    watch = task.watch(flown)
+    count = task.intervals * MINIMUM_SUBSTEPS
+    times = np.asarray(float(step[0]) / MINIMUM_SUBSTEPS * np.arange(count + 1))
+    directions = np.broadcast_to(task.directions, (count + 1, *task.directions.shape))
+    q = np.broadcast_to(np.asarray(flown.q_ob[0])[:, None], (*directions.shape[:2], 4))
+    fixed = np.reshape([cone.boresight for cone in task.pointing.cones], (1, -1, 3))
+    return PointingRecord(
+        time=times,
+        angles=watch.angles[0],
+        boresights=np.asarray(quaternion.rotate(q, np.broadcast_to(fixed, directions.shape))),
+        directions=directions,
+        extremes=watch.extremes(times),
+        guard=found.guard[:-1],
+    )
+
+
 _MISSED = {"attitude": "the target attitude", "rate": "the target rate"}
 
 
 def _obstacle(verdict: Verdict, status: Status) -> str:
     """Which constraint is in the way of the closest answer, in words."""
     missed = [
-        f"{_MISSED[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its tolerance"
+        f"{_MISSED[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its "
+        "tolerance"
         for name, error in verdict.errors.items()
         if not error[0] <= verdict.tolerances[name]
     ]

@@ -46,14 +46,17 @@ _TIGHTER = 1.2
 class FreeTimeFound:
     """Outcome of a search; leading axis S.
 
+    scaled : (S, N, b), controls of the solver.
     controls : (S, N, n + m) [N m], torques of wheels and thrusters.  step : (S,) [s].
     cost : (S,) [s].  status : (S,) `Status`.  violation, stationarity : (S,), as the solver has
     them.  iterations : (S,).  own_error : (S,) [rad], by which the transcription's own end misses.
     long_way : (S,).  verdict : of flights with fine steps.
+    guard : (m + 1,), how much stricter cones [rad] and rates were taken than they are.
     best : index of the answer.  minima : distinct ones among the starts that converged.
     share : of all starts, those that ended at the best.
     """
 
+    scaled: Floats
     controls: Floats
     step: Floats
     cost: Floats
@@ -67,6 +70,7 @@ class FreeTimeFound:
     best: int
     minima: int
     share: float
+    guard: Floats
 
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
@@ -75,7 +79,7 @@ class FreeTimeFound:
 
 
 def _placed(lane: Paths, arguments: ReorientationParameters) -> ReorientationParameters:
-    return replace(arguments, step=lane.step, reference=lane.reference)
+    return replace(arguments, step=jnp.asarray(lane.step), reference=jnp.asarray(lane.reference))
 
 
 @functools.partial(jax.jit, static_argnames=("form", "size"))
@@ -89,7 +93,8 @@ def _solve_chunk(
     program = reorientation(form, size)
 
     def one(lane: Paths) -> InteriorSolution:
-        return solve_interior(program, lane.u, lane.states, _placed(lane, arguments), settings)
+        u, states = jnp.asarray(lane.u), jnp.asarray(lane.states)
+        return solve_interior(program, u, states, _placed(lane, arguments), settings)
 
     # The batch axis goes last, where every component becomes one contiguous vector.
     last = jax.tree.map(lambda leaf: jnp.moveaxis(jnp.asarray(leaf), 0, -1), lanes)
@@ -151,26 +156,28 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     turned = np.asarray(rows)[:, :3]
     other = np.linalg.norm(paths.reference - task.reference(1.0), axis=1) > _SAME
     return FreeTimeFound(
+        np.nan_to_num(solution.u),
         torque,
         step,
         cost,
         status,
-        solution.violation,
-        solution.stationarity,
-        solution.iterations,
+        np.asarray(solution.violation),
+        np.asarray(solution.stationarity),
+        np.asarray(solution.iterations),
         np.where(other, solution.violation, np.linalg.norm(turned, axis=1)),
         other,
         verdict,
         best,
         minima,
         share,
+        np.zeros(len(task.pointing.cones) + 1),
     )
 
 
 def _between(task: ReorientationTask) -> int:
     """Nodes an interval at which a flight is judged: many where the path is limited."""
     form = task.form
-    return 20 if form.cones or form.rate_limited or form.speed_limited else 1
+    return 20 if task.pointing or form.speed_limited else 1
 
 
 def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, float]:
@@ -187,50 +194,42 @@ def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, f
 def _between_nodes(
     task: ReorientationTask, paths: Paths, found: FreeTimeFound, report: Report | None
 ) -> FreeTimeFound:
-    """Tighten cones that the best answers cut between two nodes, and solve again."""
-    limits = task.pointing.limits
-    backed = np.zeros(limits.count)
-    for _ in range(_MOST_TIGHTENINGS if limits.count else 0):
+    """Take cones and rates stricter where the best answer cuts them between nodes; solve again."""
+    for _ in range(_MOST_TIGHTENINGS if task.pointing else 0):
         ended = np.flatnonzero(found.status == Status.CONVERGED)
         if not len(ended):
             return found
-        index = ended[np.argmin(found.cost[ended])]
-        if found.verdict.reached[index]:
-            return found
+        index = int(ended[np.argmin(found.cost[ended])])
         torque, step = found.controls[index : index + 1], found.step[index : index + 1]
-        flown = task.fly(torque, step, between=_between(task))
-        over = task.cone_excess(np.asarray(flown.q_ob))[0].max(axis=0)
-        if (over <= Verdict.MARGIN_TOLERANCE).all():
+        excess = task.watch(task.fly(torque, step, between=_between(task))).excess[0]
+        if found.verdict.reached[index] or not excess.max() > 0.0:
             return found
-        backed = backed + _TIGHTER * np.maximum(over, 0.0)
-        angle = np.arccos(np.asarray(limits.cosines)) - np.asarray(limits.senses) * backed
-        tightened = replace(
-            task.parameters,
-            limits=replace(task.parameters.limits, cosines=jnp.asarray(np.cos(angle))),
-        )
-        found = evaluate(task, paths, solve_paths(task, paths, None, tightened, report))
+        guard = found.guard + _TIGHTER * np.maximum(excess, 0.0)
+        stricter = replace(task.parameters, limits=task.limits(guard))
+        again = evaluate(task, paths, solve_paths(task, paths, None, stricter, report))
+        found = replace(again, guard=guard)
     return found
 
 
 def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
     """The answer where the start is the target: no time, no torque."""
-    torque = np.zeros((1, task.intervals, task.craft.actuators))
-    nothing = np.zeros(1)
+    scaled = np.zeros((1, task.intervals, task.actuation.size))
+    torque, nothing = task.torques(scaled), np.zeros(1)
     verdict = task.judge(task.fly(torque, nothing), torque)
-    status = np.array([int(Status.CONVERGED)])
-    flags = np.zeros(1, bool)
     return FreeTimeFound(
-        torque,
-        nothing,
-        nothing,
-        status,
-        nothing,
-        nothing,
-        np.zeros(1, int),
-        nothing,
-        flags,
-        verdict,
-        0,
-        1,
-        1.0,
+        scaled=scaled,
+        controls=torque,
+        step=nothing,
+        cost=nothing,
+        status=np.array([int(Status.CONVERGED)]),
+        violation=nothing,
+        stationarity=nothing,
+        iterations=np.zeros(1, int),
+        own_error=nothing,
+        long_way=np.zeros(1, bool),
+        verdict=verdict,
+        best=0,
+        minima=1,
+        share=1.0,
+        guard=np.zeros(len(task.pointing.cones) + 1),
     )

@@ -90,7 +90,7 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
     needed = change @ np.asarray(craft.inertia_without_spin).T
     needed = needed + np.cross(omega[:, :count], momentum)
     a = task.actuation
-    return needed @ np.linalg.pinv(a.to_external - a.to_body).T, omega
+    return np.asarray(needed @ np.linalg.pinv(a.to_external - a.to_body).T), np.asarray(omega)
 
 
 def _kinematics(sigma: Floats) -> Floats:

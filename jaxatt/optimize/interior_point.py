@@ -99,10 +99,20 @@ class _State(NamedTuple):
     barrier: Array
     shift: Array
     most: Array
+    cost: Array
+    unmet: Array
     status: Array
     iterations: Array
     violation: Array
     stationarity: Array
+
+
+class _Trial(NamedTuple):
+    """A step length that was accepted, 0 for none, and what was found there."""
+
+    length: Array
+    cost: Array
+    unmet: Array
 
 
 def _largest(values: Array) -> Array:
@@ -155,9 +165,9 @@ def solve_interior(
         excess = jnp.sum(jnp.abs(found.path - point.path))
         return found.unmet + excess + jnp.sum(jnp.abs(found.final - point.final))
 
-    def merit(found: Values, point: _Point, barrier: Array) -> Array:
+    def merit(cost: Array, point: _Point, barrier: Array) -> Array:
         logs = jax.tree.leaves(jax.tree.map(lambda s: jnp.sum(jnp.log(s)), slacks(point)))
-        return found.cost - barrier * sum(logs)
+        return cost - barrier * sum(logs)
 
     def along(point: _Point, step: Step, length: Array) -> _Point:
         nodes = point.nodes
@@ -219,22 +229,25 @@ def solve_interior(
         share = jnp.maximum(_TO_BOUNDARY, 1.0 - barrier)
         longest = _to_boundary(slack, only_there(step.slack), share)
         dual_length = _to_boundary(dual, dual_step, share)
-        now = values(program, point.nodes, args)
-        unmet_now, merit_now = unmet(now, point), merit(now, point, barrier)
+        unmet_now, merit_now = state.unmet, merit(state.cost, point, barrier)
 
-        def attempt(best: Array, length: Array) -> tuple[Array, None]:
+        def attempt(best: _Trial, length: Array) -> tuple[_Trial, None]:
             trial = along(point, step, length)
             seen = values(program, trial.nodes, args)
-            miss, cost = unmet(seen, trial), merit(seen, trial, barrier)
+            miss, cost = unmet(seen, trial), merit(seen.cost, trial, barrier)
             nearer = miss <= (1.0 - 10.0 * _PROGRESS * length) * unmet_now
             cheaper = cost <= merit_now - _PROGRESS * jnp.minimum(unmet_now, 1.0)
             level = (miss <= _NEGLIGIBLE) & (cost <= merit_now + 1e-10 * jnp.abs(merit_now))
             good = (miss <= state.most) & (nearer | cheaper | level)
             good = good & jnp.isfinite(miss) & jnp.isfinite(cost)
-            return jnp.maximum(best, jnp.where(good, length, 0.0)), None
+            first = good & (best.length == 0.0)
+            found = _Trial(length, seen.cost, miss)
+            return jax.tree.map(lambda new, old: jnp.where(first, new, old), found, best), None
 
-        length, _ = lax.scan(attempt, jnp.zeros((), dtype), longest * jnp.asarray(_LENGTHS, dtype))
-        length = jnp.where(step.convex, length, 0.0)
+        none = _Trial(jnp.zeros((), dtype), state.cost, state.unmet)
+        lengths = longest * jnp.asarray(_LENGTHS, dtype)
+        tried, _ = lax.scan(attempt, none, lengths)
+        length = jnp.where(step.convex, tried.length, 0.0)
         accepted = length > 0.0
         trial = along(point, step, length)
         moved = trial._replace(
@@ -259,12 +272,16 @@ def solve_interior(
                 jnp.where(shift > _STUCK, Status.INFEASIBLE, _RUNNING),
             ),
         )
-        going = (status == _RUNNING) & accepted
+        # The last pass only looks, so that what is said of the point returned is true of it.
+        looking = state.iterations + 1 >= settings.max_iterations
+        going = (status == _RUNNING) & accepted & ~looking
         return _State(
             jax.tree.map(lambda new, old: jnp.where(going, new, old), moved, point),
             barrier,
             shift,
             state.most,
+            jnp.where(going, tried.cost, state.cost),
+            jnp.where(going, tried.unmet, state.unmet),
             status,
             state.iterations + jnp.where(status == _RUNNING, 1, 0),
             violation,
@@ -275,6 +292,8 @@ def solve_interior(
         return (state.status == _RUNNING) & (state.iterations < settings.max_iterations)
 
     start = _first_point(program, u, states, args, settings, (below, above, low, high))
+    seen = values(program, start.nodes, args)
+    missed = unmet(seen, start)
     infinite = jnp.asarray(jnp.inf, dtype)
     state = _State(
         start._replace(
@@ -282,13 +301,14 @@ def solve_interior(
         ),
         jnp.asarray(settings.barrier, dtype),
         jnp.zeros((), dtype),
-        10.0 * jnp.maximum(1.0, unmet(values(program, start.nodes, args), start)),
+        10.0 * jnp.maximum(1.0, missed),
+        seen.cost,
+        missed,
         jnp.asarray(_RUNNING),
         jnp.asarray(0),
         infinite,
         infinite,
     )
-    # The body tests the point before it moves: one pass more to judge where the last move ended.
     end = lax.while_loop(running, body, state)
     feasible = end.violation <= tolerance
     unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
@@ -298,7 +318,7 @@ def solve_interior(
     return InteriorSolution(
         jnp.concatenate([nodes.x, nodes.end[None]]),
         nodes.u,
-        values(program, nodes, args).cost,
+        end.cost,
         jnp.where(status == _RUNNING, unfinished, status),
         end.violation,
         end.stationarity,

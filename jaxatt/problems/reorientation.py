@@ -104,7 +104,7 @@ def _mrp_retract(x: Array, error: Array) -> Array:
 
 @functools.cache
 def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
-    """The programme with `size` controls an interval; its arguments are `ReorientationParameters`."""
+    """The programme with `size` controls an interval, of `ReorientationParameters`."""
     body = form.body
     quaternion = body.attitude == "quaternion"
     carried, turn = body.size, body.attitude_size

@@ -1,4 +1,4 @@
-"""One interval of a reorientation to second order, attitude as a quaternion, in closed form or nearly.
+"""One interval of a reorientation to second order, its attitude as a quaternion.
 
 What an interval does to the attitude, q+ = q (x) dq, does not depend on q, and the Runge-Kutta step
 keeps that: only dq and the rates need differentiating, by the rates, the controls and the length of
@@ -40,13 +40,17 @@ def _conjugate(q: Components) -> Components:
 def torques(p: ReorientationParameters, u: Array) -> Components:
     """Torque on the wheels and of the thrusters in body axes, six scalars [N m]."""
     both = (p.to_body, p.to_external)
-    return tuple(sum(m[i, j] * u[j] for j in range(u.shape[0])) for m in both for i in range(3))
+    zero = jnp.zeros((), u.dtype)
+    return tuple(
+        sum((m[i, j] * u[j] for j in range(u.shape[0])), zero) for m in both for i in range(3)
+    )
 
 
 def _chart_slope(s: Components) -> list[list[Array]]:
     """Derivative of four times MRP s by a small turn in body axes, (3, 3)."""
     squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-    skew = [[0.0, -s[2], s[1]], [s[2], 0.0, -s[0]], [-s[1], s[0], 0.0]]
+    none = jnp.zeros_like(squared)
+    skew = [[none, -s[2], s[1]], [s[2], none, -s[0]], [-s[1], s[0], none]]
     return [
         [(1.0 - squared) * (i == j) + 2.0 * skew[i][j] + 2.0 * s[i] * s[j] for j in range(3)]
         for i in range(3)
@@ -61,10 +65,6 @@ def _rotation(q: Components) -> list[list[Array]]:
         [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
         [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
     ]
-
-
-def _matmul(a: list[list[Array]], rows: list[Array]) -> list[Array]:
-    return [sum(a[i][j] * rows[j] for j in range(3)) for i in range(3)]
 
 
 class IntervalDerivatives:
@@ -132,7 +132,7 @@ class IntervalDerivatives:
         rows = []
         for i in range(3):
             by_turn = [sum(chart[i][k] * rotation[k][j] for k in range(3)) for j in range(3)]
-            by_y = sum(2.0 * chart[i][k] * rates[k] for k in range(3))
+            by_y = 2.0 * (chart[i][0] * rates[0] + chart[i][1] * rates[1] + chart[i][2] * rates[2])
             rows.append(self._row(jnp.stack(by_turn), by_y, none))
         rows += [self._row(flat, spinning[:, i], none) for i in range(spin)]
         for i in range(impulses):

@@ -8,12 +8,14 @@ from dataclasses import dataclass, replace
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax import Array
+from jax import Array, lax
 
 from jaxatt.attitude import errors, mrp, quaternion
-from jaxatt.environment.table import EnvironmentTable, Surroundings, tabulate
+from jaxatt.environment.table import EnvironmentTable, Surroundings, environment_at, tabulate
 from jaxatt.problems.actuation import actuation
 from jaxatt.problems.pointing import PointingLimits, cone_angles
+from jaxatt.problems.pointing_case import FREE, Pointing
+from jaxatt.problems.pointing_watch import Watch
 from jaxatt.problems.reorientation import (
     ReorientationForm,
     ReorientationParameters,
@@ -23,21 +25,13 @@ from jaxatt.problems.slew_case import Aim, Departure
 from jaxatt.problems.task import Floats, Verdict
 from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import in_chunks
-from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_torque
 from jaxatt.simulation.free_body import BodyForm, FreeBody
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _AT_REST = 1e-12
 """[N m s] Total momentum that counts as none."""
-
-
-@dataclass(frozen=True, eq=False)
-class Pointing:
-    """limits : cones and rate limits.  directions : (m, 3), unit vectors in inertial axes."""
-
-    limits: PointingLimits
-    directions: Floats
 
 
 @dataclass(frozen=True)
@@ -57,13 +51,6 @@ class TimeGoal:
     longest: float = np.inf
 
 
-def unconstrained() -> Pointing:
-    """No cones and no limits on the rate."""
-    return Pointing(
-        PointingLimits(np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros(0)), np.zeros((0, 3))
-    )
-
-
 @functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
 def _fly_many(
     craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable, h: Array
@@ -74,7 +61,21 @@ def _fly_many(
     return jax.vmap(one)(torque, h)
 
 
+@functools.partial(jax.jit, static_argnames=("steps",))
+def _fly_on(
+    craft: Spacecraft, state: AttitudeState, torque: Array, h: Array, steps: int
+) -> AttitudeState:
+    here = environment_at(_INERTIAL, jnp.zeros(()))
+
+    def one(state: AttitudeState, _: None) -> tuple[AttitudeState, None]:
+        return advance(craft, state, lambda *_: torque, (here, here, here, here), h)[0], None
+
+    return lax.scan(one, state, None, length=steps)[0]
+
+
 _angle = jax.jit(errors.angle)
+_angles = jax.jit(cone_angles)
+_UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
 class ReorientationTask:
@@ -90,11 +91,12 @@ class ReorientationTask:
         aim: Aim,
         intervals: int,
         goal: TimeGoal,
-        pointing: Pointing | None = None,
+        pointing: Pointing = FREE,
     ):
         self.craft, self.departure, self.aim = craft, departure, aim
         self.intervals, self.goal = intervals, goal
-        self.pointing = pointing or unconstrained()
+        self.pointing = pointing
+        self.directions = pointing.directions(np.zeros(1), _UPRIGHT)[0]
         self.actuation = actuation(craft)
         wheels = craft.wheels
         self.start = AttitudeState(
@@ -113,8 +115,8 @@ class ReorientationTask:
             ),
             time_limited=goal.shortest > 0.0 or np.isfinite(goal.longest),
             speed_limited=limited,
-            cones=self.pointing.limits.count,
-            rate_limited=bool(self.pointing.limits.rate_limit.shape[-1]),
+            cones=len(pointing.cones),
+            rate_limited=pointing.rate_limit is not None,
         )
         self.program = reorientation(self.form, self.actuation.size)
         self.momentum = momentum
@@ -150,14 +152,18 @@ class ReorientationTask:
             effort_weight=jnp.asarray(goal.effort_weight),
             shortest=jnp.asarray(max(goal.shortest, 1e-9)),
             longest=jnp.asarray(min(goal.longest, 1e9)),
-            limits=jax.tree.map(jnp.asarray, self.pointing.limits),
-            directions=jnp.asarray(self.pointing.directions),
+            limits=self.limits(np.zeros(len(self.pointing.cones) + 1)),
+            directions=jnp.asarray(self.directions),
             wheel_speed=jnp.asarray(self.departure.omega_bw),
             wheel_axes=jnp.asarray(wheels.axes),
             wheel_inertia=jnp.asarray(wheels.inertia),
             to_wheels=jnp.asarray(a.to_wheels),
             speed_limit=jnp.asarray(wheels.speed_limit),
         )
+
+    def limits(self, guard: Floats) -> PointingLimits:
+        """Cones and rates for the solver, taken stricter than they are; see `Pointing.path`."""
+        return self.pointing.path(self.directions[None], guard).limits
 
     def turn(self, sign: float) -> Floats:
         """MRP of the target relative to the start, the short way (1) or the long way (-1), (3,)."""
@@ -203,6 +209,16 @@ class ReorientationTask:
             key=("fly reorientation", fine.shape[1:], substeps),
         )
 
+    def fly_on(
+        self, state: AttitudeState, torque: Floats, duration: float, steps: int
+    ) -> AttitudeState:
+        """State after torques (n + m,) [N m] held for a duration [s], in so many RK4 steps."""
+        return _fly_on(self.craft, state, torque, duration / steps, steps)
+
+    def angle_to_target(self, q: Floats) -> float:
+        """Angle [rad] between an attitude (4,) and the target."""
+        return float(_angle(self.aim.q_ob, q))
+
     @property
     def tolerances(self) -> dict[str, float]:
         """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
@@ -227,11 +243,8 @@ class ReorientationTask:
         worst = [np.zeros(len(q))]
         speed = np.abs(np.asarray(flown.omega_bw)) / np.asarray(wheels.speed_limit) - 1.0
         worst.append(speed.max(axis=(1, 2), initial=-1.0))
-        if self.form.rate_limited:
-            rate = np.abs(np.asarray(flown.omega_ib)) / np.asarray(self.pointing.limits.rate_limit)
-            worst.append((rate - 1.0).max(axis=(1, 2)))
-        if self.form.cones:
-            worst.append(self.cone_excess(q).max(axis=(1, 2)))
+        if self.pointing:
+            worst.append(self.watch(flown).violation)
         return Verdict(
             found,
             self.tolerances,
@@ -239,12 +252,19 @@ class ReorientationTask:
             np.max(worst, axis=0),
         )
 
-    def cone_excess(self, q: Floats) -> Floats:
-        """By how much every cone is violated along flights, (S, M, m) [rad]; negative inside."""
-        limits = self.pointing.limits
-        directions = np.broadcast_to(self.pointing.directions, (*q.shape[:2], limits.count, 3))
-        angle = np.asarray(cone_angles(jnp.asarray(q), jnp.asarray(directions), limits.boresights))
-        return np.asarray(limits.senses * (angle - np.arccos(np.asarray(limits.cosines))))
+    def watch(self, flown: Trajectory) -> Watch:
+        """Angles of all cones and rates at the nodes of flights."""
+        q = np.asarray(flown.q_ob)
+        shape = (*q.shape[:2], *self.directions.shape)
+        boresights = np.reshape([cone.boresight for cone in self.pointing.cones], (-1, 3))
+        angles = in_chunks(
+            lambda chunk: _angles(
+                chunk, np.broadcast_to(self.directions, (len(chunk), *shape[1:])), boresights
+            ),
+            q,
+            key=("cone angles", shape[1:]),
+        )
+        return Watch(self.pointing, angles, np.abs(np.asarray(flown.omega_ib)))
 
     def effort(self, torque: Floats, step: Floats) -> Floats:
         """Integral of the sum of squared torques, (S,) [(N m)^2 s]."""

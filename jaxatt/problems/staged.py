@@ -84,7 +84,7 @@ class StagedProgram:
     limits : (stage, args) -> lower and upper limits of the controls, (b,) or (); read by
         `interior_point` only, for the other solvers they belong among the inequalities.
     free_start : number of coordinates, the last ones of the error state, that are decided with the
-        controls and constant along the stages, such as the length of a stage; `interior_point` only.
+        controls and stay the same, such as the length of a stage; for `interior_point`.
     slopes : (x, u, x_next, stage, args) -> `Slopes`, exact; bending : (x, u, x_next, stage, args,
         costate) -> (n + b, n + b), Hessian of cost + costate . gap, exact or nearly so; both for
         `interior_point`, None to differentiate cost and dynamics.

@@ -29,6 +29,7 @@ class TimeOptimum:
         with fine steps stands among the leg's errors.
     start_costs, start_times : (S,) [s], cost and final time where each start ended.
     attitude, integration : of the transcription.
+    resolved_time : [s], with switches between the grid's nodes; None where they were not resolved.
     """
 
     effort_weight: float
@@ -44,6 +45,7 @@ class TimeOptimum:
     start_times: Floats
     attitude: str
     integration: str
+    resolved_time: float | None = None
 
     @property
     def kkt(self) -> dict[str, float]:
@@ -58,6 +60,7 @@ class TimeOptimum:
                 name: times.tolist()
                 for name, times in zip(self.actuators, self.switch_times, strict=True)
             },
+            "resolved_final_time_s": self.resolved_time,
             "minima": self.minima,
             "share_at_best": self.share,
             "transcription": {

@@ -20,6 +20,7 @@ def time_rows(weighted: bool) -> list[Row]:
         ("interval [s]", lambda b: short(b["step_s"], 5)),
         ("control effort [(N m)^2 s]", lambda b: short(b["control_effort"], 6)),
         *priced,
+        ("with exact switches [s]", _resolved),
         ("switches [s]", lambda b: _switches(b["time_optimum"]["switch_times_s"])),
         ("transcription", _transcription),
         ("optimality", _optimality),
@@ -33,6 +34,11 @@ def _switches(times: Mapping[str, list[float]]) -> str:
         if each
     ]
     return "; ".join(found) or "none from limit to limit"
+
+
+def _resolved(block: Mapping[str, Any]) -> str:
+    found = block["time_optimum"]["resolved_final_time_s"]
+    return "" if found is None else short(found, 8)
 
 
 def _transcription(block: Mapping[str, Any]) -> str:
