@@ -1,7 +1,7 @@
 """Turns in minimum time beside printed values and beside CasADi with IPOPT.
 
-The figures of IPOPT are those of `python -m benchmarks.casadi_reorientation CASE [--rk4] [--rho X]`:
-it writes the problem down a second time, from the source.
+The figures of IPOPT are those of `python -m benchmarks.casadi_reorientation CASE`, with --rk4 and
+--rho as the key says; it writes the problem down a second time, from the source.
 """
 
 import functools
