@@ -11,11 +11,13 @@ from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.simulating import simulate
 from jaxatt.solving import solve
 from jaxatt.studies.comparison import compare
+from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.relative_sparsity import relative_sparsity
 
 __all__ = [
     "Certificate",
+    "EffortSweep",
     "FlightComparison",
     "FlightResult",
     "Leg",
@@ -33,4 +35,5 @@ __all__ = [
     "scenarios",
     "simulate",
     "solve",
+    "sweep_effort",
 ]

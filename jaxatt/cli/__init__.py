@@ -1,4 +1,4 @@
-"""The command line: solve, simulate, compare, certify, sparsity, scenarios; one command a file.
+"""The command line, one command a file.
 
 Exit codes: 0 when every leg verifiably reached its target or every run flew to the end, 2 for bad
 input, 3 when an answer does not reach or a run failed, 130 when interrupted.
@@ -14,6 +14,7 @@ from jaxatt.cli.scenarios import scenarios
 from jaxatt.cli.simulate import simulate
 from jaxatt.cli.solve import solve
 from jaxatt.cli.sparsity import sparsity
+from jaxatt.cli.sweep import sweep
 
 app = typer.Typer(
     name="jaxatt",
@@ -22,7 +23,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (solve, compare, simulate, certify, sparsity):
+for command in (solve, compare, simulate, certify, sparsity, sweep):
     app.command()(command)
 app.add_typer(scenarios, name="scenarios")
 

@@ -30,6 +30,7 @@ from jaxatt.problems.reorientation import (
 )
 from jaxatt.problems.reorientation_task import ReorientationTask
 from jaxatt.problems.task import Floats, Verdict
+from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import chunk_for
 
 Report = Callable[[str, int], None]
@@ -46,7 +47,7 @@ _TIGHTER = 1.2
 class FreeTimeFound:
     """Outcome of a search; leading axis S.
 
-    scaled : (S, N, b), controls of the solver.
+    scaled : (S, N, b) controls and states : (S, N + 1, s), of the solver.
     controls : (S, N, n + m) [N m], torques of wheels and thrusters.  step : (S,) [s].
     cost : (S,) [s].  status : (S,) `Status`.  violation, stationarity : (S,), as the solver has
     them.  iterations : (S,).  own_error : (S,) [rad], by which the transcription's own end misses.
@@ -57,6 +58,7 @@ class FreeTimeFound:
     """
 
     scaled: Floats
+    states: Floats
     controls: Floats
     step: Floats
     cost: Floats
@@ -79,10 +81,15 @@ class FreeTimeFound:
 
 
 def _placed(lane: Paths, arguments: ReorientationParameters) -> ReorientationParameters:
-    return replace(arguments, step=jnp.asarray(lane.step), reference=jnp.asarray(lane.reference))
+    return replace(
+        arguments,
+        step=jnp.asarray(lane.step),
+        reference=jnp.asarray(lane.reference),
+        effort_weight=jnp.asarray(lane.effort_weight),
+    )
 
 
-@functools.partial(jax.jit, static_argnames=("form", "size"))
+@functools.partial(jax.jit, static_argnames=("form", "size"), compiler_options=QUICK_TO_COMPILE)
 def _solve_chunk(
     form: ReorientationForm,
     size: int,
@@ -108,10 +115,11 @@ def solve_paths(
     settings: InteriorSettings | None = None,
     arguments: ReorientationParameters | None = None,
     report: Report | None = None,
+    rows: int | None = None,
 ) -> InteriorSolution:
     """Solve a task from all of its starts, chunk by chunk, and gather the results on the host.
 
-    arguments : in place of the task's own; leaves that differ from start to start are not allowed.
+    arguments : in place of the task's own.  rows : starts in one compiled call.
     """
     settings = settings or InteriorSettings()
     arguments = arguments or task.parameters
@@ -121,7 +129,7 @@ def solve_paths(
         lambda chunk, limited: run(chunk, arguments, limited),
         paths,
         settings,
-        chunk_for(len(paths.u)),
+        rows or chunk_for(len(paths.u)),
         progress,
         ("reorientation", task.form, paths.u.shape[1:]),
         early=_EARLY_ITERATIONS,
@@ -157,6 +165,7 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     other = np.linalg.norm(paths.reference - task.reference(1.0), axis=1) > _SAME
     return FreeTimeFound(
         np.nan_to_num(solution.u),
+        np.nan_to_num(solution.x),
         torque,
         step,
         cost,
@@ -218,6 +227,7 @@ def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
     verdict = task.judge(task.fly(torque, nothing), torque)
     return FreeTimeFound(
         scaled=scaled,
+        states=random_paths(task, 1, 0).states,
         controls=torque,
         step=nothing,
         cost=nothing,

@@ -26,12 +26,14 @@ class Paths(NamedTuple):
 
     u : (S, N, b), scaled controls.  states : (S, N + 1, s), of the programme.
     step : (S,) [s].  reference : (S, 3 or 4), target attitude the way that the start goes.
+    effort_weight : (S,) [1/(N m)^2], rho.
     """
 
     u: Floats
     states: Floats
     step: Floats
     reference: Floats
+    effort_weight: Floats
 
 
 def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
@@ -66,7 +68,8 @@ def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     if goal.effort_weight == 0.0:
         u = u + _SPREAD * (2.0 * drawn[:, n + 3 :].reshape(u.shape) - 1.0)
     u = np.clip(u, task.actuation.lower, task.actuation.upper)
-    return Paths(u, _states(task, nodes[:, : n + 1], omega, u, step), step, reference)
+    states = _states(task, nodes[:, : n + 1], omega, u, step)
+    return Paths(u, states, step, reference, np.full(count, goal.effort_weight))
 
 
 def draws(task: ReorientationTask) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import functools
 from dataclasses import dataclass, replace
 
@@ -160,6 +161,13 @@ class ReorientationTask:
             to_wheels=jnp.asarray(a.to_wheels),
             speed_limit=jnp.asarray(wheels.speed_limit),
         )
+
+    def weighing(self, effort_weight: float) -> ReorientationTask:
+        """The same turn with another weight of effort, rho [1/(N m)^2]."""
+        other = copy.copy(self)
+        other.goal = replace(self.goal, effort_weight=effort_weight)
+        other.parameters = replace(self.parameters, effort_weight=jnp.asarray(effort_weight))
+        return other
 
     def limits(self, guard: Floats) -> PointingLimits:
         """Cones and rates for the solver, taken stricter than they are; see `Pointing.path`."""

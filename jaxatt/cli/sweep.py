@@ -1,0 +1,58 @@
+"""`jaxatt sweep`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
+from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts
+
+
+def sweep(
+    cases: Annotated[
+        list[str], typer.Argument(help="Bundled scenarios or files of kind time-effort.")
+    ],
+    rho: Annotated[
+        str | None,
+        typer.Option(help="Weights of effort, separated by commas; 0.001 to 10 by default."),
+    ] = None,
+    starts: Starts = None,
+    seed: Seed = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Time and effort against the weight of effort, and the front between the two."""
+    with clean_exit():
+        weights = None if rho is None else _weights(rho)
+        from jaxatt.report.files import prepare_folder
+        from jaxatt.scenarios import load
+
+        loaded = [load(case) for case in cases]
+        folder = prepare_folder(out or Path("results") / "-".join(case.name for case in loaded))
+        prepare_jax(compile_cache)
+        from jaxatt.progress import Reporter
+        from jaxatt.studies.effort_sweep import WEIGHTS, sweep_effort
+
+        with Reporter(starts or loaded[0].solver.starts, quiet) as report:
+            found = sweep_effort(loaded, weights or WEIGHTS, starts, seed, report)
+        if not quiet:
+            show(found.table())
+        finish(repr(found), found.save(folder), folder, quiet)
+        if not found.reached:
+            typer.echo("an optimum does not reach its target when flown", err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+def _weights(text: str) -> list[float]:
+    """Non-negative numbers separated by commas."""
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"--rho {text}: give numbers separated by commas") from None
+    if not all(0.0 <= number < float("inf") for number in numbers):
+        raise typer.BadParameter(f"--rho {text}: a weight of effort must not be negative")
+    return numbers
