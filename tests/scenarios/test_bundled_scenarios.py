@@ -9,6 +9,7 @@ from jaxatt.scenarios import ScenarioError
 NAMES = (
     "double-integrator",
     "eseo-1",
+    "eseo-1-keep-out",
     "eseo-2",
     "eseo-3",
     "hypso1-45-0-0",
@@ -16,6 +17,7 @@ NAMES = (
     "hypso1-90-0-0",
     "hypso1-90-0-0-free",
     "hypso1-90-45-15",
+    "hypso1-90-45-15-keep-out",
     "hypso1-90-45-15-perturbed",
     "hypso1-path",
     "hypso1-path-two",
