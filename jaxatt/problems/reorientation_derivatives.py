@@ -147,34 +147,11 @@ class IntervalDerivatives:
         by_y = jnp.concatenate([by_spin, by_control, spent[None]])
         return Slopes(gap, jnp.stack(rows), self._row(flat, by_y, none))
 
-    def _turn(self, y: Array, share: Array, p: ReorientationParameters) -> Components:
-        """Rotation vector of the coarser model, three scalars."""
-        h = share * jnp.exp(y[-1])
-        slope = self._slope(y, p)
-        return tuple(h * (y[i] + 0.5 * h * slope[i]) for i in range(3))
-
-    def _slope(self, y: Array, p: ReorientationParameters) -> Components:
+    def _felt(self, y: Array, p: ReorientationParameters, weights: Array) -> Array:
+        """Weighted sum of the derivatives of rate and momentum, ()."""
         torque = torques(p, y[self.spin : -1])
-        return derivative(self._state(y), torque, p.body, self.body)[4:]
-
-    def _coarse(
-        self,
-        y: Array,
-        share: Array,
-        p: ReorientationParameters,
-        by_turn: Components,
-        by_spin: Array,
-        by_impulse: Array,
-    ) -> Array:
-        """Cost and costates of the coarser model, ()."""
-        h, u = share * jnp.exp(y[-1]), y[self.spin : -1]
-        slope, turn = self._slope(y, p), self._turn(y, share, p)
-        total = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
-        for i in range(3):
-            total = total + by_turn[i] * turn[i]
-        for i in range(self.spin):
-            total = total + by_spin[i] * (y[i] + h * slope[i])
-        return total + h * jnp.sum(by_impulse * u[: self.impulses])
+        slope = derivative(self._state(y), torque, p.body, self.body)[4:]
+        return jnp.sum(weights * jnp.stack(slope))
 
     def bending(
         self,
@@ -185,31 +162,66 @@ class IntervalDerivatives:
         p: ReorientationParameters,
         costate: Array,
     ) -> Array:
-        """See `StagedProgram.bending`."""
-        dtype, spin = x.dtype, self.spin
+        """See `StagedProgram.bending`.
+
+        Of cost + by_turn . phi + by_spin . (spin + h spin') + by_impulse . h u, with the coarser
+        turn phi = h omega + h^2/2 omega'; spin' is linear in the torques.
+        """
+        dtype, spin, impulses = x.dtype, self.spin, self.impulses
         y = self._reduced(x, u)
-        turn = jnp.stack(self._turn(y, share, p))
-        by_y = jax.jacfwd(lambda at: jnp.stack(self._turn(at, share, p)))(y)
-        force = tuple(costate[i] for i in range(3))
-        whole = tuple(turn[i] for i in range(3))
-        felt = tuple(f - 0.5 * c for f, c in zip(force, cross(force, whole), strict=True))
-        bent = jax.hessian(self._coarse)(
-            y, share, p, felt, costate[3 : 3 + spin], costate[3 + spin : -1]
+        h = share * jnp.exp(y[-1])
+        omega = y[:3]
+        slope = jnp.stack(derivative(self._state(y), torques(p, u), p.body, self.body)[4:])
+        push = p.to_external - p.to_body
+        by_torque = jnp.stack(
+            [sum(p.body.inverse[i, k] * push[k] for k in range(3)) for i in range(3)]
         )
+        force, whole = costate[:3], h * (omega + 0.5 * h * slope[:3])
+        turning = force - 0.5 * _cross(force, whole)
+        by_spin, by_impulse = costate[3 : 3 + spin], costate[3 + spin : -1]
+        still = jnp.zeros(spin - 3, dtype)
+
+        # By the logarithm of the interval and everything, itself first.
+        spent = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
+        moved = h * (jnp.sum(by_spin * slope) + jnp.sum(by_impulse * u[:impulses]))
+        itself = spent + moved + jnp.sum(turning * (h * omega + 2.0 * h * h * slope[:3]))
+        weights = h * by_spin + jnp.concatenate([h * h * turning, still])
+        by_y = jax.grad(self._felt)(y, p, weights)
+        direct = jnp.concatenate([h * turning, still])
+        charged = 2.0 * h * p.effort_weight * p.scale**2
+        driven = charged * u + jnp.pad(h * by_impulse, (0, self.size - impulses))
+        none = jnp.zeros(impulses, dtype)
+        edge = jnp.concatenate(
+            [by_y[:spin] + direct, none, jnp.zeros(1, dtype), by_y[spin:-1] + driven]
+        )
+        at = (jnp.arange(edge.shape[0]) == spin + impulses).astype(dtype)
+        rest = at[:, None] * edge[None] + edge[:, None] * at[None] + itself * at[:, None] * at[None]
+        paid = jnp.concatenate([jnp.zeros(spin + impulses + 1, dtype), charged])
+        rest = rest + paid[:, None] * jnp.eye(edge.shape[0], dtype=dtype)
+        if self.body.momentum != "zero":
+            weights = h * by_spin + jnp.concatenate([0.5 * h * h * turning, still])
+            bent = jax.hessian(lambda part: self._felt(y.at[:spin].set(part), p, weights))(y[:spin])
+            rest = rest + jnp.pad(bent, (0, edge.shape[0] - spin))
         # Two turns in succession: to second order their vectors add, and half their product; the
         # first one, the error of x, is turned on by the interval.
-        crossed = cross(tuple(by_y[i] for i in range(3)), force)
-        seen = cross(whole, crossed)
-        flat, none = jnp.zeros(3, dtype), jnp.zeros(self.impulses, dtype)
-        side = jnp.stack(
-            [0.5 * self._row(flat, c + d, none)[3:] for c, d in zip(crossed, seen, strict=True)]
+        by_rate = h * jnp.eye(3, spin, dtype=dtype)
+        by_length = h * (omega + h * slope[:3])
+        turned = jnp.concatenate(
+            [by_rate, jnp.zeros((3, impulses), dtype), by_length[:, None], 0.5 * h * h * by_torque],
+            axis=1,
         )
-        idle = jnp.zeros((self.impulses, y.shape[0]), dtype)
-        rows = jnp.concatenate([bent[:spin], idle, bent[-1:], bent[spin:-1]])
-        rest = jnp.stack([self._row(flat, rows[i], none)[3:] for i in range(rows.shape[0])])
+        crossed = -_cross(force, turned)
+        side = 0.5 * (crossed + _cross(whole, crossed))
         return jnp.concatenate(
             [
                 jnp.concatenate([jnp.zeros((3, 3), dtype), side], axis=1),
                 jnp.concatenate([side.T, rest], axis=1),
             ]
         )
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Product of a vector (3,) with another or with the columns of a matrix, (3, ...)."""
+    return jnp.stack(
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    )

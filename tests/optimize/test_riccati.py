@@ -32,7 +32,7 @@ def step(matrix, weight, value):
     model = StageModel(matrix, weight, jnp.zeros(n + b))
 
     def once(_, carry):
-        found, law, _ = backward_step(carry[0], model, jnp.ones(b), jnp.zeros(b), jnp.zeros(()))
+        found, law, _, _ = backward_step(carry[0], model, jnp.ones(b), jnp.zeros(b), jnp.zeros(()))
         return found, law
 
     return jax.lax.fori_loop(0, 400, once, (value, jnp.zeros((b, n + 1))))
