@@ -88,7 +88,7 @@ def test_the_half_turn_beats_the_turn_about_its_axis():
 
 def test_quaternions_and_mrp_are_the_same_turn():
     case = scenarios.load("mrp-k4-rk4")
-    other = scenarios.replace(case, {"transcription.attitude": "quaternion"})
+    other = scenarios.replace(case, {"transcription.attitude": "mrp"})
     found = jaxatt.solve(other, starts=4).legs[0]
     assert found.final_time == pytest.approx(solved("mrp-k4-rk4").legs[0].final_time, abs=1e-3)
 
