@@ -14,6 +14,7 @@ NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 STUDY = NOTEBOOKS / "maximum_hands_off.py"
 FEEDBACK = NOTEBOOKS / "feedback_laws.py"
 THRUSTERS = NOTEBOOKS / "on_off_thrusters.py"
+TIMED = NOTEBOOKS / "time_and_effort.py"
 CELL_TIMEOUT_S = 600
 
 # Read back from the notebook's own variables, in a last cell that only the test adds.
@@ -80,7 +81,7 @@ def outputs(notebook: Any, kind: str) -> list[str]:
 
 
 def test_every_notebook_is_run_here() -> None:
-    assert sorted(NOTEBOOKS.glob("*.py")) == [FEEDBACK, STUDY, THRUSTERS]
+    assert sorted(NOTEBOOKS.glob("*.py")) == [FEEDBACK, STUDY, THRUSTERS, TIMED]
 
 
 @pytest.fixture(scope="module")
@@ -286,3 +287,65 @@ def test_no_slew_beats_the_impulse_balance(thruster_numbers: Any) -> None:
         assert point["bound_percent"] < point["eigenaxis_percent"]
     percents = [point["percent"] for point in study["against_limit"]]
     assert percents == sorted(percents, reverse=True)
+
+
+TIMED_PROBE = """
+import json
+print(json.dumps({
+    "rows": comparison.to_dict()["rows"],
+    "swept": [[k, rho, r.summary()] for (k, rho), r in swept.items()],
+    "saturated": bool(always_saturated.all()),
+    "calm": [float(np.abs(calm).max()), straight],
+    "half_turn": half_turn.summary(),
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def timed(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return run_notebook(TIMED, tmp_path_factory.mktemp("timed"), TIMED_PROBE)
+
+
+@pytest.fixture(scope="module")
+def timed_numbers(timed: Any) -> Any:
+    return json.loads(timed.cells[-1]["outputs"][0]["text"])
+
+
+@pytest.mark.slow
+def test_timed_study_shows_seven_figures(timed: Any) -> None:
+    assert len(outputs(timed, "image/png")) == 7
+    assert not [o for c in timed.cells for o in c.get("outputs", []) if o.get("name") == "stderr"]
+
+
+@pytest.mark.slow
+def test_the_printed_time_belongs_to_half_the_stated_angle(timed_numbers: Any) -> None:
+    time = {(round(r["angle_rad"], 2), r["integration"]): r for r in timed_numbers["rows"]}
+    assert time[1.25, "euler"]["final_time_s"] == pytest.approx(24.2124, abs=5e-4)
+    assert time[2.5, "euler"]["final_time_s"] > 30.0
+    assert time[1.25, "rk4"]["attitude_error_deg"] < 1e-3
+    assert time[1.25, "euler"]["attitude_error_deg"] > 0.05
+
+
+@pytest.mark.slow
+def test_time_falls_with_the_wheels_and_effort_rises_where_time_matters(timed_numbers: Any) -> None:
+    found = {(k, rho): summary for k, rho, summary in timed_numbers["swept"]}
+    assert all(summary["status"] == "reached" for summary in found.values())
+    for rho in {rho for _, rho in found}:
+        times = [found[k, rho]["final_time_s"] for k in (3, 4, 5)]
+        assert times == sorted(times, reverse=True), rho
+        if rho <= 0.01:
+            efforts = [found[k, rho]["control_effort"] for k in (3, 4, 5)]
+            assert efforts == sorted(efforts) and max(times) < 30.0, rho
+    for k in (3, 4, 5):
+        along = [found[k, rho]["control_effort"] for rho in sorted({rho for _, rho in found})]
+        assert along == sorted(along, reverse=True), k
+
+
+@pytest.mark.slow
+def test_torques_saturate_where_time_matters_and_not_where_effort_does(timed_numbers: Any) -> None:
+    assert timed_numbers["saturated"]
+    largest, straight = timed_numbers["calm"]
+    assert largest < 0.5
+    # The wheels that do most of the work; the first two hardly turn.
+    assert min(straight[2:]) > 0.9
+    assert timed_numbers["half_turn"]["final_time_s"] <= 3.2436

@@ -178,6 +178,8 @@ class ReorientationTask:
         begin, end = np.asarray(self.departure.q_ob), np.asarray(self.aim.q_ob)
         relative = np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
         relative = relative * (sign if relative[0] >= 0.0 else -sign)
+        if 1.0 + relative[0] < _AT_REST:
+            return np.zeros(3)  # a whole turn, which no MRP holds and nobody wants
         return np.asarray(relative[1:] / (1.0 + relative[0]))
 
     def reference(self, sign: float) -> Floats:

@@ -50,7 +50,8 @@ def shade(axes: Axes, result: Result, legend: bool = True) -> None:
             place: dict[str, Any] = {"xy": (start, 1.0), "xycoords": ("data", "axes fraction")}
             offset: dict[str, Any] = {"xytext": (4, 2), "textcoords": "offset points"}
             axes.annotate(f"leg {number}", **place, **offset, fontsize=8)
-    axes.set_xlim(line.time[0], line.time[-1])
+    if line.time[-1] > line.time[0]:
+        axes.set_xlim(line.time[0], line.time[-1])
     tidy(axes)
     lines, _ = axes.get_legend_handles_labels()
     handles = [*lines, *handles] if legend else lines

@@ -51,7 +51,8 @@ def _transcription(block: Mapping[str, Any]) -> str:
 def _optimality(block: Mapping[str, Any]) -> str:
     kkt, found = block["kkt"], block["time_optimum"]
     share = 100.0 * found["share_at_best"]
+    minima = "1 minimum" if found["minima"] == 1 else f"{found['minima']} minima"
     return (
         f"violation {short(kkt['violation'], 2)}, stationarity {short(kkt['stationarity'], 2)}; "
-        f"{share:.3g} % of the starts at the best of {found['minima']} minima"
+        f"{share:.3g} % of the starts at the best of {minima}"
     )

@@ -54,7 +54,7 @@ def test_the_bundled_turns_hold_the_printed_values(wheels, form):
     columns += [[sign * 0.5, math.sqrt(0.5), sign * 0.5] for sign in (1, -1)]
     np.testing.assert_allclose(vehicle.wheels.axes.T, columns[:wheels], atol=1e-15)
     assert (case.objective.kind, case.objective.effort_weight) == ("time-effort", 0.01)
-    assert case.transcription.attitude == "mrp"
+    assert case.transcription.attitude == ("quaternion" if form == "-rk4" else "mrp")
     assert case.transcription.integration == ("rk4" if form == "-rk4" else "euler")
     assert case.horizon.free and case.horizon.intervals == 35 and case.horizon.longest == math.inf
     assert (case.solver.starts, case.control.axes) == (21, "wheels")

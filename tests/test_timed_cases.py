@@ -1,0 +1,107 @@
+"""Turns in minimum time beside printed values and beside CasADi with IPOPT.
+
+The figures of IPOPT are those of `python -m benchmarks.casadi_reorientation CASE`, with --rk4 and
+--rho as the key says; it writes the problem down a second time, from the source.
+"""
+
+import functools
+import json
+import math
+
+import numpy as np
+import pytest
+
+import jaxatt
+from jaxatt import scenarios
+
+IPOPT = {
+    ("mrp-k3", 0.01): 28.671300,
+    ("mrp-k4", 0.01): 24.212464,
+    ("mrp-k5", 0.01): 21.440553,
+    ("mrp-k3-rk4", 0.01): 28.652703,
+    ("mrp-k4-rk4", 0.01): 24.194868,
+    ("mrp-k5-rk4", 0.01): 21.420208,
+    ("mrp-k3-2.5rad", 0.01): 37.440248,
+    ("mrp-k4-2.5rad", 0.01): 31.543771,
+    ("mrp-k5-2.5rad", 0.01): 28.099884,
+    ("mrp-k4-rk4", 0.1): 24.560578,
+    ("mrp-k4-rk4", 10.0): 49.459783,
+    ("mrp-k5-rk4", 10.0): 46.673247,
+}
+"""(scenario, rho) -> final time [s]."""
+FAST = [("mrp-k4", 0.01), ("mrp-k4-rk4", 0.01), ("mrp-k4-2.5rad", 0.01), ("mrp-k4-rk4", 10.0)]
+
+
+@functools.cache
+def solved(name, rho=0.01, starts=8):
+    case = scenarios.load(name)
+    return jaxatt.solve(scenarios.replace(case, {"objective.effort_weight": rho}), starts=starts)
+
+
+def case(key):
+    return pytest.param(*key, marks=() if key in FAST else pytest.mark.slow)
+
+
+@pytest.mark.parametrize(("name", "rho"), [case(key) for key in IPOPT])
+def test_the_final_time_is_that_of_ipopt(name, rho):
+    result = solved(name, rho)
+    leg = result.legs[0]
+    assert result.reached
+    assert leg.final_time == pytest.approx(IPOPT[name, rho], abs=2e-5)
+    assert leg.time_optimum.cost == pytest.approx(leg.final_time + rho * leg.control_effort)
+    assert leg.time_optimum.share >= 0.5
+    assert max(leg.time_optimum.kkt.values()) < 1e-5
+
+
+def test_the_printed_time_of_four_wheels():
+    leg = solved("mrp-k4").legs[0]
+    printed = solved("mrp-k4").scenario.printed["time-effort"]
+    assert leg.final_time == pytest.approx(printed["final_time_s"], abs=5e-4)
+    assert leg.step == pytest.approx(printed["step_s"], abs=5e-5)
+
+
+@pytest.mark.parametrize("name", ["mrp-k4-rk4", "mrp-k4"])
+def test_the_flight_confirms_runge_kutta_and_tells_eulers_error(name):
+    leg = solved(name).legs[0]
+    off = math.degrees(leg.errors["attitude"])
+    assert leg.time_optimum.own_error < 1e-6
+    if name.endswith("rk4"):
+        assert off < 1e-3
+    else:
+        assert 0.02 < off < 0.5
+
+
+def test_without_saturation_the_effort_is_cheap_and_there_are_no_switches():
+    leg = solved("mrp-k4-rk4", 10.0).legs[0]
+    assert np.abs(leg.series["torque_wheels"]).max() < 0.5
+    assert all(times.size == 0 for times in leg.time_optimum.switch_times)
+
+
+def test_the_half_turn_beats_the_turn_about_its_axis():
+    result = jaxatt.solve("minimum-time-180", starts=16)
+    leg, printed = result.legs[0], result.scenario.printed["minimum-time"]
+    assert result.reached
+    assert leg.final_time <= printed["final_time_s"] + 5e-4
+    assert leg.final_time < printed["eigenaxis_final_time_s"] - 0.3
+    assert max(times.size for times in leg.time_optimum.switch_times) > 0
+
+
+def test_quaternions_and_mrp_are_the_same_turn():
+    case = scenarios.load("mrp-k4-rk4")
+    other = scenarios.replace(case, {"transcription.attitude": "mrp"})
+    found = jaxatt.solve(other, starts=4).legs[0]
+    assert found.final_time == pytest.approx(solved("mrp-k4-rk4").legs[0].final_time, abs=1e-3)
+
+
+def test_a_turn_to_where_one_is_takes_no_time():
+    case = scenarios.replace(scenarios.load("mrp-k4-rk4"), {"target.attitude_mrp": [0, 0, 0]})
+    result = jaxatt.solve(case, starts=4)
+    assert result.reached
+    assert result.legs[0].final_time < 1e-3
+    assert result.legs[0].control_effort < 1e-3
+
+
+def test_the_summary_is_json(tmp_path):
+    found = json.loads(json.dumps(solved("mrp-k4").summary()))
+    assert found["final_time_s"] == pytest.approx(24.2125, abs=1e-3)
+    assert found["starts"]["requested"] == 8
