@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxatt.multistart.ahead import compiled_ahead
 from jaxatt.multistart.bounded_search import search_bounded
 from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
 from jaxatt.multistart.enumeration import from_pairs
@@ -82,7 +83,9 @@ def search(
         return _chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
-    ended = from_starts("l1" if task.goal.kind == "l1" else "l0")
+    first = "l1" if task.goal.kind == "l1" else "l0"
+    with compiled_ahead(task, method(first, "")):
+        ended = from_starts(first)
     pool = ended
     if task.goal.kind != "l1" and not ended.verdict.reached.any():
         # Where counting leads nowhere, the L1 optimum is the source's own guess for the support.

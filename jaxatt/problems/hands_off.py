@@ -60,6 +60,8 @@ class SparseSystem:
     limits : plant -> (n, b), rows l of the control limits |l u[k]| <= 1.
     bounds : plant -> (b,) and (b,), limits lower <= u[k] <= upper that each control has of its own;
         given instead of `limits` where controls are one-sided, as thrusters are.
+    label : the same words in every process for what compiles to the same, so that programs can be
+        kept; None where they are not.
     stages : number of controls b -> the same system interval by interval, without cost and
         without the control limits, its arguments `SparseArguments`; None where it has no such form.
     """
@@ -73,6 +75,7 @@ class SparseSystem:
     limits: Callable[[Any], Array] | None = None
     bounds: Callable[[Any], tuple[Array, Array]] | None = None
     stages: Callable[[int], StagedProgram] | None = None
+    label: str | None = None
 
     def linearise(self, plant: Any) -> Linearise:
         """What a search by weighted steps asks the system."""

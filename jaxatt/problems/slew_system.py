@@ -41,6 +41,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
             turned=lambda p, sign: replace(p, reference=p.reference * sign),
             response=lambda u, p: propelled_response(u, p, form),
             bounds=lambda p: (p.lower, p.upper),
+            label=repr(form),
         )
     by_pulses = not (form.gyroscopic or form.speed_limited)
     return SparseSystem(
@@ -52,4 +53,5 @@ def slew_system(form: SlewForm) -> SparseSystem:
         equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,
         stages=functools.partial(slew_stages, form),
+        label=repr(form),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import functools
+from concurrent.futures import Executor
 
 import jax
 import jax.numpy as jnp
@@ -10,6 +10,7 @@ import numpy as np
 from jax import Array
 
 from jaxatt.attitude import errors
+from jaxatt.compilation import Routine
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
 from jaxatt.problems.mounting import mounting
 from jaxatt.problems.printed_cost import partly_open, support_cost
@@ -25,8 +26,7 @@ from jaxatt.problems.slew_case import (
 )
 from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
-from jaxatt.runtime import QUICK_TO_COMPILE
-from jaxatt.simulation.chunks import in_chunks
+from jaxatt.simulation.chunks import CHUNK, in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, fly_torque
 from jaxatt.simulation.pulse_flight import fly_pulses
 from jaxatt.simulation.pulses import Pulses
@@ -51,7 +51,7 @@ def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
     return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
 
 
-@functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
+@Routine
 def _fly_many(
     craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
@@ -183,6 +183,12 @@ class SlewTask(Task):
             torque,
             key=("fly", torque.shape[1:], table.stages.gradient.shape),
         )
+
+    def begin_verifying(self, pool: Executor) -> None:
+        """Compile ahead what `fly` runs."""
+        columns = self.craft.actuators
+        torque = np.zeros((CHUNK, self.intervals, columns))
+        _fly_many.begin(pool, self.craft, self.start, torque, self.table)
 
     def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
         """Fly openings of valves at their exact times on the full model, then coast.

@@ -1,0 +1,172 @@
+"""Large programs: compiled ahead, side by side, and traced once for all processes.
+
+XLA leaves the interpreter free while it compiles, so what a search is going to need can be traced
+here, one program after another, while other threads compile.  JAX's persistent cache spares the
+next process XLA's work but not the tracing, which then takes most of the time; so where that cache
+is on, traced programs are kept beside it (`jax.export`) and found again by what they were asked
+for, before anything is traced.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import pickle
+import tempfile
+import warnings
+from collections.abc import Callable, Hashable
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import jax
+from jax import export
+from jax.stages import Lowered
+
+from jaxatt.runtime import QUICK_TO_COMPILE
+
+_FOLDER = "jaxatt"
+"""Where programs are kept, inside the folder of JAX's persistent compilation cache."""
+
+Run = Callable[..., Any]
+
+
+class Routine:
+    """`jax.jit` of a function, that can be compiled ahead and kept.
+
+    statics : how many of the first arguments are compiled in.  Where each of them is a number or
+        a string, or has a `label` that is not None, programs can be kept; the label must be the
+        same words in every process, and different ones for what compiles to something else.
+    kept : False where that is not wanted, as for programs that call LAPACK: tracing sets it up.
+    """
+
+    def __init__(self, function: Run, statics: int = 0, kept: bool = True):
+        functools.update_wrapper(self, function)
+        self._function, self._statics, self._kept = function, statics, kept
+        self._begun: dict[Hashable, Future[Run]] = {}
+        self._jitted = jax.jit(
+            function, static_argnums=tuple(range(statics)), compiler_options=QUICK_TO_COMPILE
+        )
+
+    def __call__(self, *args: Any) -> Any:
+        """The function's value; waits for a compilation that has begun for such arguments."""
+        if not self._begun and not _folder():
+            return self._jitted(*args)
+        signature = self._signature(args)
+        if signature not in self._begun:
+            self._begun[signature] = Future()
+            self._begun[signature].set_result(self._program(args, signature)[0])
+        return self._begun[signature].result()(*args)
+
+    def begin(self, pool: Executor, *args: Any) -> None:
+        """Trace for arguments like these, unless that is kept, and compile in a thread of `pool`.
+
+        What goes wrong in the thread is raised by the call that needs the program.
+        """
+        signature = self._signature(args)
+        if signature not in self._begun:
+            run, lower = self._program(args, signature)
+            self._begun[signature] = pool.submit(_compile, lower(), run)
+
+    def _signature(self, args: tuple[Any, ...]) -> tuple[Hashable, ...]:
+        leaves, tree = jax.tree.flatten(args[self._statics :])
+        return (*args[: self._statics], tree, *(jax.typeof(leaf) for leaf in leaves))
+
+    def _program(
+        self, args: tuple[Any, ...], signature: tuple[Hashable, ...]
+    ) -> tuple[Run, Callable[[], Lowered]]:
+        """What runs for arguments like these, and what lowers it."""
+        file = self._file(args, signature)
+        found = None if file is None else _read(file) or self._export(file, args)
+        if found is None:
+            return self._jitted, lambda: self._jitted.lower(*args)
+        exported, tree = found
+        flat = jax.jit(exported.call, compiler_options=QUICK_TO_COMPILE)
+
+        def leaves(some: tuple[Any, ...]) -> list[Any]:
+            return jax.tree.leaves(some[self._statics :])
+
+        def run(*some: Any) -> Any:
+            return jax.tree.unflatten(tree, flat(*leaves(some)))
+
+        return run, lambda: flat.lower(*leaves(args))
+
+    def _file(self, args: tuple[Any, ...], signature: tuple[Hashable, ...]) -> Path | None:
+        """Where the program for such arguments is kept; None if it is not."""
+        folder = _folder()
+        labels = [
+            x if isinstance(x, (bool, int, str)) else getattr(x, "label", None)
+            for x in args[: self._statics]
+        ]
+        if not self._kept or not folder or None in labels:
+            return None
+        types = [str(part) for part in signature[self._statics :]]
+        name = f"{self._function.__module__}.{self._function.__qualname__}"
+        asked = repr((name, labels, types, _circumstances()))
+        return Path(folder) / _FOLDER / hashlib.sha256(asked.encode()).hexdigest()
+
+    def _export(self, file: Path, args: tuple[Any, ...]) -> tuple[export.Exported, Any] | None:
+        """The traced program and the structure of its results, written to a file."""
+        leaves, tree = jax.tree.flatten(args[self._statics :])
+        structure = None
+
+        def flat(*leaves: Any) -> list[Any]:
+            nonlocal structure
+            found = self._function(*args[: self._statics], *jax.tree.unflatten(tree, leaves))
+            results, structure = jax.tree.flatten(found)
+            return results
+
+        exported = export.export(jax.jit(flat))(*leaves)
+        if "custom_call" in exported.mlir_module():
+            return None
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as partial:
+                partial.write(pickle.dumps((structure, bytes(exported.serialize()))))
+            os.replace(partial.name, file)
+        except OSError as error:
+            warnings.warn(f"a traced program cannot be kept: {error}", stacklevel=2)
+        return exported, structure
+
+
+def _compile(lowered: Lowered, run: Run) -> Run:
+    lowered.compile()  # A call of the same `jax.jit` finds it.
+    return run
+
+
+def _read(file: Path) -> tuple[export.Exported, Any] | None:
+    """A kept program; None where there is none, or none that can be read."""
+    if not file.exists():
+        return None
+    try:
+        structure, content = pickle.loads(file.read_bytes())
+        return export.deserialize(bytearray(content)), structure
+    except Exception as error:  # whatever a damaged file makes of unpickling or of JAX
+        warnings.warn(f"{file} is not a traced program and is replaced: {error}", stacklevel=2)
+        return None
+
+
+def _folder() -> str | None:
+    folder: str | None = jax.config.values["jax_compilation_cache_dir"]
+    return folder
+
+
+def _circumstances() -> str:
+    """What tracing depends on besides what was asked for: the code, JAX and its settings."""
+    passing = ("cache", "log")
+    settings = {
+        name: value
+        for name, value in sorted(jax.config.values.items())
+        if not any(word in name for word in passing)
+    }
+    return repr((_code(), jax.__version__, jax.default_backend(), settings))
+
+
+@functools.cache
+def _code() -> str:
+    """Digest of the whole package."""
+    code = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
+        code.update(source.read_bytes())
+    return code.hexdigest()
