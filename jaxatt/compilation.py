@@ -13,7 +13,6 @@ import functools
 import hashlib
 import os
 import pickle
-import tempfile
 import warnings
 from collections.abc import Callable, Hashable
 from concurrent.futures import Executor, Future
@@ -120,12 +119,14 @@ class Routine:
         exported = export.export(jax.jit(flat))(*leaves)
         if "custom_call" in exported.mlir_module():
             return None
+        content = pickle.dumps((structure, bytes(exported.serialize())))
+        partial = file.with_suffix(f".{os.getpid()}")  # Never half a file under the real name.
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            with tempfile.NamedTemporaryFile(dir=file.parent, delete=False) as partial:
-                partial.write(pickle.dumps((structure, bytes(exported.serialize()))))
-            os.replace(partial.name, file)
+            partial.write_bytes(content)
+            partial.replace(file)
         except OSError as error:
+            partial.unlink(missing_ok=True)
             warnings.warn(f"a traced program cannot be kept: {error}", stacklevel=2)
         return exported, structure
 

@@ -17,9 +17,10 @@ from jaxatt.simulation.chunks import cores
 
 @contextmanager
 def compiled_ahead(task: Task, method: Method) -> Iterator[None]:
-    """Begin with the programs of `decide`, `polish` and the flights; at the end none is at work.
+    """Begin with what `decide`, `polish` and the flights run; at the end nothing is at work.
 
-    Only for slews by pulses to a target, where all of them are sure to be needed.
+    Of slews by pulses to a target all of it, in the order in which it is needed; of others only the
+    flights.
     """
     with ThreadPoolExecutor(cores(), thread_name_prefix="jaxatt-compile") as pool:
         if method.spends_least_for(task):
@@ -28,5 +29,5 @@ def compiled_ahead(task: Task, method: Method) -> Iterator[None]:
             lanes = broadcast_lanes(u, arguments.free, arguments.row_weight, np.ones(len(u)))
             sparsify_chunk.begin(pool, form, lanes, count_arguments(task), Reweighting())
             effort_chunk.begin(pool, form, lanes, effort_arguments(task), LEAST)
-            task.begin_verifying(pool)
+        task.begin_verifying(pool)
         yield

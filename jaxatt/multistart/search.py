@@ -82,9 +82,9 @@ def search(
         found = search_bounded(task, count, seed, guess, method)
         return _chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
-    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     first = "l1" if task.goal.kind == "l1" else "l0"
     with compiled_ahead(task, method(first, "")):
+        starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
         ended = from_starts(first)
     pool = ended
     if task.goal.kind != "l1" and not ended.verdict.reached.any():
