@@ -44,39 +44,47 @@ class Routine:
         functools.update_wrapper(self, function)
         self._function, self._statics, self._kept = function, statics, kept
         self._begun: dict[Hashable, Future[Run]] = {}
+        self._plain: set[Hashable] = set()
         self._jitted = jax.jit(
             function, static_argnums=tuple(range(statics)), compiler_options=QUICK_TO_COMPILE
         )
 
     def __call__(self, *args: Any) -> Any:
         """The function's value; waits for a compilation that has begun for such arguments."""
-        if not self._begun and not _folder():
+        kept = bool(_folder()) and self._kept
+        if not self._begun and not kept:
             return self._jitted(*args)
-        signature = self._signature(args)
-        if signature not in self._begun:
-            self._begun[signature] = Future()
-            self._begun[signature].set_result(self._program(args, signature)[0])
-        return self._begun[signature].result()(*args)
+        key = self._key(args)
+        begun = self._begun.get(key)
+        if begun is None and kept and key not in self._plain:
+            begun = self._begun[key] = Future()
+            begun.set_result(self._program(args)[0])
+        run = self._jitted if begun is None else begun.result()
+        if run is self._jitted and begun is not None:
+            # From now on `jax.jit` finds it by itself, and faster.
+            self._plain.add(key)
+            self._begun.pop(key, None)
+        return run(*args)
 
     def begin(self, pool: Executor, *args: Any) -> None:
         """Trace for arguments like these, unless that is kept, and compile in a thread of `pool`.
 
         What goes wrong in the thread is raised by the call that needs the program.
         """
-        signature = self._signature(args)
-        if signature not in self._begun:
-            run, lower = self._program(args, signature)
-            self._begun[signature] = pool.submit(_compile, lower(), run)
+        key = self._key(args)
+        if key not in self._begun and key not in self._plain:
+            run, lower = self._program(args)
+            self._begun[key] = pool.submit(_compile, lower(), run)
 
-    def _signature(self, args: tuple[Any, ...]) -> tuple[Hashable, ...]:
+    def _key(self, args: tuple[Any, ...]) -> Hashable:
+        """What tells programs apart within a process; in microseconds, for every call asks."""
         leaves, tree = jax.tree.flatten(args[self._statics :])
-        return (*args[: self._statics], tree, *(jax.typeof(leaf) for leaf in leaves))
+        types = [(getattr(x, "shape", ()), getattr(x, "dtype", type(x))) for x in leaves]
+        return (*args[: self._statics], tree, *types)
 
-    def _program(
-        self, args: tuple[Any, ...], signature: tuple[Hashable, ...]
-    ) -> tuple[Run, Callable[[], Lowered]]:
+    def _program(self, args: tuple[Any, ...]) -> tuple[Run, Callable[[], Lowered]]:
         """What runs for arguments like these, and what lowers it."""
-        file = self._file(args, signature)
+        file = self._file(args)
         found = None if file is None else _read(file) or self._export(file, args)
         if found is None:
             return self._jitted, lambda: self._jitted.lower(*args)
@@ -91,7 +99,7 @@ class Routine:
 
         return run, lambda: flat.lower(*leaves(args))
 
-    def _file(self, args: tuple[Any, ...], signature: tuple[Hashable, ...]) -> Path | None:
+    def _file(self, args: tuple[Any, ...]) -> Path | None:
         """Where the program for such arguments is kept; None if it is not."""
         folder = _folder()
         labels = [
@@ -100,7 +108,8 @@ class Routine:
         ]
         if not self._kept or not folder or None in labels:
             return None
-        types = [str(part) for part in signature[self._statics :]]
+        leaves, tree = jax.tree.flatten(args[self._statics :])
+        types = [str(tree), *(str(jax.typeof(leaf)) for leaf in leaves)]
         name = f"{self._function.__module__}.{self._function.__qualname__}"
         asked = repr((name, labels, types, _circumstances()))
         return Path(folder) / _FOLDER / hashlib.sha256(asked.encode()).hexdigest()
@@ -149,7 +158,7 @@ def _read(file: Path) -> tuple[export.Exported, Any] | None:
 
 
 def _folder() -> str | None:
-    folder: str | None = jax.config.values["jax_compilation_cache_dir"]
+    folder: str | None = jax.config.jax_compilation_cache_dir  # type: ignore[attr-defined]
     return folder
 
 
