@@ -32,7 +32,7 @@ Run = Callable[..., Any]
 
 
 class Routine:
-    """`jax.jit` of a function, that can be compiled ahead and kept.
+    """`jax.jit` of a function, that can be compiled ahead and kept; not to be differentiated.
 
     statics : how many of the first arguments are compiled in.  Where each of them is a number or
         a string, or has a `label` that is not None, programs can be kept; the label must be the
@@ -59,8 +59,14 @@ class Routine:
         if begun is None and kept and key not in self._plain:
             begun = self._begun[key] = Future()
             begun.set_result(self._program(args)[0])
-        run = self._jitted if begun is None else begun.result()
-        if run is self._jitted and begun is not None:
+        if begun is None:
+            return self._jitted(*args)
+        try:
+            run = begun.result()
+        except Exception:
+            self._begun.pop(key, None)  # The next call may try again.
+            raise
+        if run is self._jitted:
             # From now on `jax.jit` finds it by itself, and faster.
             self._plain.add(key)
             self._begun.pop(key, None)

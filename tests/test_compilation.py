@@ -97,6 +97,7 @@ def test_what_goes_wrong_in_the_thread_is_raised_by_the_call(pool, monkeypatch):
     routine.begin(pool, CUBE, X, 2.0)
     with pytest.raises(RuntimeError, match="out of memory"):
         routine(CUBE, X, 2.0)
+    np.testing.assert_array_equal(routine(CUBE, X, 2.0), 2.0 * X**3)
     with pytest.raises(TypeError):
         routine.begin(pool, CUBE, X, "two")
 
