@@ -25,6 +25,9 @@ _FLAGS = {
 QUICK_TO_COMPILE = {"xla_backend_optimization_level": 1, "xla_cpu_use_fusion_emitters": False}
 """Compiler options for the large programs of a search, which run no slower for them."""
 
+RUNS_ONCE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+"""Compiler options for what takes longer to compile than to run."""
+
 
 def configure(*, cache: str | Path | None = None) -> None:
     """Double precision, all cores, XLA's options for small loops and, on request, a compile cache.

@@ -40,6 +40,6 @@ class PDLaw:
         errors = departure(self.reference, self.reference_rate, state, environment)
         wanted = proportional_derivative(*errors, self.proportional, self.derivative)
         torque = self.craft.inertia_without_spin @ wanted
-        wheel_torque = self.craft.wheels.allocation @ torque
+        wheel_torque = jnp.asarray(self.craft.wheels.allocation) @ torque
         limit = jnp.asarray(self.craft.wheels.torque_limit)
         return jnp.clip(wheel_torque, -limit, limit) if self.clipped else wheel_torque

@@ -15,6 +15,7 @@ from jax import Array
 
 from jaxatt.environment import frames, kepler, orbit
 from jaxatt.environment.sinusoidal import sinusoidal_torque
+from jaxatt.runtime import RUNS_ONCE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
 
@@ -85,7 +86,7 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     )
 
 
-_on_grid = jax.jit(environment_at)
+_on_grid = jax.jit(environment_at, compiler_options=RUNS_ONCE)
 
 
 def _without_jumps(q: np.ndarray) -> np.ndarray:

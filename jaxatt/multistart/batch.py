@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from jaxatt.compilation import Routine
 from jaxatt.multistart.retiring import retiring
 from jaxatt.optimize.augmented_lagrangian import Schedule, Solution, solve
 from jaxatt.optimize.inner import inner_minimiser
@@ -25,7 +26,6 @@ from jaxatt.problems.hands_off import (
 )
 from jaxatt.problems.program import Program
 from jaxatt.problems.task import Floats
-from jaxatt.runtime import QUICK_TO_COMPILE
 from jaxatt.simulation.chunks import CHUNK, Progress, in_chunks
 
 
@@ -61,6 +61,13 @@ class Form:
         build = slack_program if self.slacks else sparse_program
         return build(self.system, self.shared)
 
+    @property
+    def label(self) -> str | None:
+        """See `jaxatt.compilation`; None for systems that have none."""
+        if self.system.label is None:
+            return None
+        return repr((self.system.label, self.shared, self.slacks, self.inner))
+
 
 def placed(form: Form, lane: Lanes, arguments: SparseArguments) -> SparseArguments:
     """Arguments of one lane."""
@@ -72,8 +79,8 @@ def placed(form: Form, lane: Lanes, arguments: SparseArguments) -> SparseArgumen
     )
 
 
-@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
-def _solve_chunk(
+@functools.partial(Routine, statics=1, kept=False)
+def solve_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:
     inner = inner_minimiser(form.inner)
@@ -88,8 +95,8 @@ def _solve_chunk(
     return jax.vmap(one)(jax.tree.map(jnp.asarray, lanes))
 
 
-@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
-def _sparsify_chunk(
+@functools.partial(Routine, statics=1)
+def sparsify_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, settings: Reweighting
 ) -> SparseRoot:
     limits = form.system.limits
@@ -114,8 +121,8 @@ def _sparsify_chunk(
     return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, -1, 0), found)
 
 
-@functools.partial(jax.jit, static_argnames=("form",), compiler_options=QUICK_TO_COMPILE)
-def _effort_chunk(
+@functools.partial(Routine, statics=1)
+def effort_chunk(
     form: Form, lanes: Lanes, arguments: SparseArguments, schedule: Schedule
 ) -> Solution:
     respond, limits = form.system.response, form.system.limits
@@ -146,7 +153,7 @@ def solve_lanes(
     rows: int = CHUNK,
 ) -> Solution:
     """Solve all lanes by the augmented Lagrangian and gather the results on the host."""
-    run = functools.partial(_solve_chunk, form)
+    run = functools.partial(solve_chunk, form)
     key = ("solve", form, lanes.u.shape[1:])
     return retiring(
         lambda chunk, limited: run(chunk, arguments, limited),
@@ -168,7 +175,7 @@ def spend_least(
     rows: int = CHUNK,
 ) -> Solution:
     """Least effort on frozen supports, as `solve_lanes` but for tasks with a `response` only."""
-    run = functools.partial(_effort_chunk, form)
+    run = functools.partial(effort_chunk, form)
     key = ("effort", form, lanes.u.shape[1:])
     return retiring(
         lambda chunk, limited: run(chunk, arguments, limited), lanes, schedule, rows, progress, key
@@ -184,7 +191,7 @@ def sparsify_lanes(
     rows: int = CHUNK,
 ) -> SparseRoot:
     """Bring all lanes' rows to zero with few controls and gather the results on the host."""
-    run = functools.partial(_sparsify_chunk, form)
+    run = functools.partial(sparsify_chunk, form)
     key = ("sparsify", form, lanes.u.shape[1:])
     return in_chunks(lambda chunk: run(chunk, arguments, settings), lanes, rows, progress, key)
 

@@ -97,6 +97,14 @@ class Method:
         by_pulses |= task.system.bounds is not None
         return by_pulses or self.stages_for(task)
 
+    def spends_least_for(self, task: Task) -> bool:
+        """Whether supports are polished by the primal-dual method.
+
+        The printed cost may rest where its rows do not vanish, which asks for a line search.
+        """
+        by_pulses = self.reweights_for(task) and not self.stages_for(task)
+        return by_pulses and task.system.bounds is None and task.goal.terminal == "reach"
+
 
 def count_arguments(task: Task) -> SparseArguments:
     """Arguments with which the count of active intervals is minimised."""
@@ -197,8 +205,7 @@ def polish(
     schedule = SLACK if form.slacks else POLISH
     if method.stages_for(task):
         solve = solve_staged_lanes
-    elif method.reweights_for(task) and task.goal.terminal == "reach":
-        # The printed cost may rest where its rows do not vanish, which asks for a line search.
+    elif method.spends_least_for(task):
         solve, schedule = spend_least, LEAST
     solution = solve(
         form,

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxatt.multistart.ahead import compiled_ahead
 from jaxatt.multistart.bounded_search import from_bounded_starts, search_bounded
 from jaxatt.multistart.candidates import Candidates, evaluate, join, support_of
 from jaxatt.multistart.enumeration import from_pairs
@@ -81,8 +82,10 @@ def search(
         found = search_bounded(task, count, seed, guess, method)
         return chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
-    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
-    ended = from_starts("l1" if task.goal.kind == "l1" else "l0")
+    first = "l1" if task.goal.kind == "l1" else "l0"
+    with compiled_ahead(task, method(first, "")):
+        starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
+        ended = from_starts(first)
     pool = ended
     if task.goal.kind != "l1" and not ended.verdict.reached.any():
         # Where counting leads nowhere, the L1 optimum is the source's own guess for the support.

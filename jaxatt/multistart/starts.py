@@ -12,6 +12,7 @@ import numpy as np
 from jax import Array
 
 from jaxatt.problems.task import Floats
+from jaxatt.runtime import QUICK_TO_COMPILE
 
 _AMPLITUDE = 0.003
 _SPREAD = 1.5
@@ -30,7 +31,7 @@ class Starts(NamedTuple):
     confined: np.ndarray
 
 
-@functools.partial(jax.jit, static_argnames=("count", "length"))
+@functools.partial(jax.jit, static_argnames=("count", "length"), compiler_options=QUICK_TO_COMPILE)
 def _normals(seed: int, count: int, length: int) -> Array:
     """Standard normals (count, length); row i depends on the seed and i alone."""
     key = jax.random.key(seed)

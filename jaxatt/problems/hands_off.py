@@ -63,6 +63,8 @@ class SparseSystem:
         given instead of `limits` where controls are one-sided, as thrusters are.
     path : (u, plant) -> (K,) and (N, K, b), path constraints where they are worst, non-negative
         when satisfied, and their derivatives, for systems with `bounds`; None without any.
+    label : the same words in every process for what compiles to the same, so that programs can be
+        kept; None where they are not.
     stages : number of controls b -> the same system interval by interval, without cost and
         without the control limits, its arguments `SparseArguments`; None where it has no such form.
     """
@@ -80,6 +82,7 @@ class SparseSystem:
     bounds: Callable[[Any], tuple[Array, Array]] | None = None
     path: Callable[[Any, Any], tuple[Array, Array]] | None = None
     stages: Callable[[int], StagedProgram] | None = None
+    label: str | None = None
 
     def linearise(self, plant: Any) -> Linearise:
         """What a search by weighted steps asks the system."""

@@ -20,7 +20,7 @@ from jax import Array, lax
 
 from jaxatt.problems.equations import Equations
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
-from jaxatt.problems.slew_response import end_rows, passing_rows, response_rows
+from jaxatt.problems.slew_response import flown_states, rows_at
 from jaxatt.simulation.momentum_model import Components
 from jaxatt.simulation.turn_model import turn
 
@@ -188,14 +188,16 @@ def pulse_equations(
         back = [_sum(columns[i] * impulse[i, c] for i in range(3)) for c in range(u.shape[1])]
         return jnp.stack(back, axis=1)
 
-    def exactly(controls: Array) -> Array:
-        return response_rows(controls, p, form)
+    def exactly(controls: Array) -> tuple[Array, Array]:
+        return flown_states(controls, p, form)
 
-    rows = end_rows(jnp.stack(sums.state), p)
-    if form.has_waypoint:
-        rows = jnp.concatenate([rows, passing_rows(history[p.waypoint_node - 1, -4:], p)])
-    roughly = rows
-    rows = exactly(u) if form.disturbed else lax.cond(accurate, exactly, lambda _: roughly, u)
+    if form.disturbed:
+        states = exactly(u)
+    else:
+        passing = history[p.waypoint_node - 1, -4:] if form.has_waypoint else history[0, :0]
+        roughly = jnp.stack(sums.state), passing
+        states = lax.cond(accurate, exactly, lambda _: roughly, u)
+    rows = rows_at(states, p, form)
 
     change = sums.first(0)
     ahead = [

@@ -66,10 +66,10 @@ def _fly_many(
 def _fly_on(
     craft: Spacecraft, state: AttitudeState, torque: Array, h: Array, steps: int
 ) -> AttitudeState:
-    here = environment_at(_INERTIAL, jnp.zeros(()))
+    here = environment_at(_INERTIAL, jnp.zeros(4))
 
     def one(state: AttitudeState, _: None) -> tuple[AttitudeState, None]:
-        return advance(craft, state, lambda *_: torque, (here, here, here, here), h)[0], None
+        return advance(craft, state, lambda *_: torque, here, h)[0], None
 
     return lax.scan(one, state, None, length=steps)[0]
 

@@ -2,20 +2,49 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
+import functools
+from typing import NamedTuple
+
+import jax
 import numpy as np
+from jax import Array
 
 from jaxatt.attitude import quaternion
-from jaxatt.environment.table import EnvironmentTable
+from jaxatt.environment.table import Environment, EnvironmentTable
 from jaxatt.problems.hands_off import SparseArguments
 from jaxatt.problems.mounting import Mounting
 from jaxatt.problems.pointing import NO_POINTING, PointingPath
 from jaxatt.problems.slew import RATE_SCALE, SlewForm, SlewParameters
 from jaxatt.problems.slew_case import Aim, Passage
 from jaxatt.problems.task import Flags, Floats, Goal
+from jaxatt.runtime import RUNS_ONCE
 from jaxatt.simulation.momentum_model import BodyParameters
-from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+
+
+class Beginning(NamedTuple):
+    """What a slew begins with.
+
+    state : at the first node.  q_ib : (4,), attitude of the body relative to inertial axes.
+    momentum, momentum_i : (3,) [N m s], total momentum in body and in inertial axes.
+    """
+
+    state: AttitudeState
+    q_ib: Array
+    momentum: Array
+    momentum_i: Array
+
+
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
+def begin(
+    craft: Spacecraft, q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
+) -> Beginning:
+    """Beginning of a slew from attitude and rate relative to the orbit, and wheel speeds."""
+    state = at_relative_rate(q_ob, omega_ob, omega_bw, environment)
+    q_ib = quaternion.multiply(environment.orbit_attitude, state.q_ob)
+    momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
+    return Beginning(state, q_ib, momentum, quaternion.rotate(q_ib, momentum))
 
 
 def _nearer(q: Floats, to: Floats) -> Floats:
@@ -26,7 +55,7 @@ def _nearer(q: Floats, to: Floats) -> Floats:
 def slew_parameters(
     craft: Spacecraft,
     mounting: Mounting,
-    start: AttitudeState,
+    beginning: Beginning,
     table: EnvironmentTable,
     aim: Aim,
     passage: Passage | None,
@@ -34,37 +63,36 @@ def slew_parameters(
     form: SlewForm,
     pointing: PointingPath = NO_POINTING,
 ) -> SlewParameters:
-    """Parameters of a slew from a state at the first node of a table.
+    """Parameters of a slew from its beginning at the first node of a table.
 
     pointing : cones and rate limits that are enforced.
     """
     wheels, m = craft.wheels, mounting
-    begin = np.asarray(start.q_ob)
-    reference = _nearer(np.asarray(aim.q_ob), begin)
-    waypoint = reference if passage is None else _nearer(np.asarray(passage.q_ob), begin)
-    q_ib = quaternion.multiply(table.nodes.orbit_attitude[0], start.q_ob)
-    momentum = total_momentum(craft, start.omega_ib, start.omega_bw)
-    inverse_inertia = jnp.linalg.inv(jnp.asarray(craft.inertia_without_spin))
+    start, first = beginning.state, np.asarray(beginning.state.q_ob)
+    reference = _nearer(np.asarray(aim.q_ob), first)
+    waypoint = reference if passage is None else _nearer(np.asarray(passage.q_ob), first)
+    inverse_inertia = np.linalg.inv(np.asarray(craft.inertia_without_spin))
+    # Not jnp.asarray, which compiles a program for each shape.
     return SlewParameters(
-        body=BodyParameters(jnp.asarray(craft.inertia), inverse_inertia),
+        body=BodyParameters(jax.device_put(craft.inertia), jax.device_put(inverse_inertia)),
         table=table,
-        start=jnp.concatenate([q_ib, start.omega_ib]),
-        momentum=momentum if form.propelled else quaternion.rotate(q_ib, momentum),
-        reference=jnp.asarray(reference),
-        reference_rate=jnp.asarray(aim.omega_ob),
-        waypoint=jnp.asarray(waypoint),
-        waypoint_node=jnp.asarray(1 if passage is None else passage.node),
-        to_body=jnp.asarray(m.to_body * m.scale),
-        to_external=jnp.asarray(m.to_external * m.scale),
-        to_wheels=jnp.asarray(m.to_wheel * m.scale / np.asarray(wheels.torque_limit)[:, None]),
-        lower=jnp.asarray(m.lower),
-        upper=jnp.asarray(m.upper),
-        step=jnp.asarray(step),
-        wheel_speed=jnp.asarray(start.omega_bw),
-        wheel_axes=jnp.asarray(wheels.axes),
-        wheel_inertia=jnp.asarray(wheels.inertia),
-        wheel_torque=jnp.asarray(m.to_wheel * m.scale),
-        speed_limit=jnp.asarray(wheels.speed_limit),
+        start=jax.device_put(np.concatenate([beginning.q_ib, start.omega_ib])),
+        momentum=beginning.momentum if form.propelled else beginning.momentum_i,
+        reference=jax.device_put(reference),
+        reference_rate=jax.device_put(aim.omega_ob),
+        waypoint=jax.device_put(waypoint),
+        waypoint_node=jax.device_put(1 if passage is None else passage.node),
+        to_body=jax.device_put(m.to_body * m.scale),
+        to_external=jax.device_put(m.to_external * m.scale),
+        to_wheels=jax.device_put(m.to_wheel * m.scale / np.asarray(wheels.torque_limit)[:, None]),
+        lower=jax.device_put(m.lower),
+        upper=jax.device_put(m.upper),
+        step=jax.device_put(step),
+        wheel_speed=jax.device_put(start.omega_bw),
+        wheel_axes=jax.device_put(wheels.axes),
+        wheel_inertia=jax.device_put(wheels.inertia),
+        wheel_torque=jax.device_put(m.to_wheel * m.scale),
+        speed_limit=jax.device_put(wheels.speed_limit),
         pointing=pointing,
     )
 
@@ -99,10 +127,10 @@ def slew_arguments(
     free = np.where(np.asarray(forbidden, bool)[:, None], 0.0, np.ones((1, len(scale))))
     return SparseArguments(
         plant=plant,
-        weight=jnp.asarray(weight),
-        free=jnp.asarray(free),
-        count_scale=jnp.asarray(1.0),
-        effort_scale=jnp.asarray(0.0),
-        effort_map=jnp.asarray(effort_map),
-        row_weight=jnp.asarray(rows if soft else np.full(len(rows), np.inf)),
+        weight=jax.device_put(weight),
+        free=jax.device_put(free),
+        count_scale=jax.device_put(1.0),
+        effort_scale=jax.device_put(0.0),
+        effort_map=jax.device_put(effort_map),
+        row_weight=jax.device_put(rows if soft else np.full(len(rows), np.inf)),
     )

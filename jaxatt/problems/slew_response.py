@@ -41,13 +41,25 @@ def passing_rows(q: Array, p: SlewParameters) -> Array:
     return attitude_error(inertial_waypoint(p), q)
 
 
-def response_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
-    """Errors at the last node, then of the attitude at the waypoint, (6,) or (9,)."""
+def flown_states(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
+    """Attitude and rate at the last node, (7,), and the attitude at the waypoint, (4,) or (0,)."""
     end, nodes = fly_nodes(u, p, form)
-    rows = end_rows(jnp.stack(end), p)
-    if not form.has_waypoint:
-        return rows
-    return jnp.concatenate([rows, passing_rows(nodes[p.waypoint_node - 1, :4], p)])
+    passing = nodes[p.waypoint_node - 1, :4] if form.has_waypoint else jnp.zeros((0,), u.dtype)
+    return jnp.stack(end[:7]), passing
+
+
+def rows_at(states: tuple[Array, Array], p: SlewParameters, form: SlewForm) -> Array:
+    """Errors at the last node, then of the attitude at the waypoint, (6,) or (9,).
+
+    states : as `flown_states` returns them.
+    """
+    rows = end_rows(states[0], p)
+    return jnp.concatenate([rows, passing_rows(states[1], p)]) if form.has_waypoint else rows
+
+
+def response_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
+    """Errors of scaled controls u (N, b), as `rows_at`."""
+    return rows_at(flown_states(u, p, form), p, form)
 
 
 def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:

@@ -49,6 +49,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
             response=lambda u, p: propelled_response(u, p, form),
             bounds=lambda p: (p.lower, p.upper),
             path=(lambda u, p: path_response(u, p, form)) if form.pointed else None,
+            label=repr(form),
         )
     by_pulses = not (form.gyroscopic or form.path_limited)
     return SparseSystem(
@@ -61,4 +62,5 @@ def slew_system(form: SlewForm) -> SparseSystem:
         equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,
         stages=functools.partial(slew_stages, form),
+        label=repr(form),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+from concurrent.futures import Executor
 from dataclasses import replace
 
 import jax
@@ -12,13 +13,14 @@ import numpy as np
 from jax import Array
 
 from jaxatt.attitude import errors
+from jaxatt.compilation import Routine
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
 from jaxatt.problems.mounting import mounting
 from jaxatt.problems.pointing_case import FREE, Pointing
 from jaxatt.problems.pointing_watch import Lookout, Watch
 from jaxatt.problems.printed_cost import partly_open, support_cost
 from jaxatt.problems.slew import SlewForm
-from jaxatt.problems.slew_arguments import slew_arguments, slew_parameters
+from jaxatt.problems.slew_arguments import begin, slew_arguments, slew_parameters
 from jaxatt.problems.slew_case import (
     Aim,
     Departure,
@@ -29,13 +31,13 @@ from jaxatt.problems.slew_case import (
 )
 from jaxatt.problems.slew_system import slew_system
 from jaxatt.problems.task import Flags, Floats, Goal, Task, Verdict
-from jaxatt.runtime import QUICK_TO_COMPILE
-from jaxatt.simulation.chunks import in_chunks
+from jaxatt.runtime import RUNS_ONCE
+from jaxatt.simulation.chunks import CHUNK, in_chunks
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
 from jaxatt.simulation.pulse_flight import fly_pulses
 from jaxatt.simulation.pulses import Pulses, split
-from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
-from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.vehicle import Spacecraft
 
 _SMALL_GYROSCOPIC_TURN = 0.5
 """|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
@@ -46,16 +48,16 @@ def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
     return in_chunks(lambda chunk: _compare(q_ref, chunk), q, key="compare")
 
 
-_turn = jax.jit(errors.rotation_vector)
+_turn = jax.jit(errors.rotation_vector, compiler_options=RUNS_ONCE)
 
 
-@jax.jit
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
 def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
     """Angle [rad] and smoothed metric g (5.2) between attitudes."""
     return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
 
 
-@functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
+@Routine
 def _fly_many(
     craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
@@ -102,12 +104,9 @@ class SlewTask(Task):
             surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
         )
         self.substeps = substeps
-        self.start = at_relative_rate(
-            jnp.asarray(departure.q_ob),
-            jnp.asarray(departure.omega_ob),
-            jnp.asarray(departure.omega_bw),
-            jax.tree.map(lambda leaf: leaf[0], self.table.nodes),
-        )
+        first = jax.tree.map(lambda leaf: leaf[0], self.table.nodes)
+        beginning = begin(craft, departure.q_ob, departure.omega_ob, departure.omega_bw, first)
+        self.start = beginning.state
         self.pointing = pointing
         self.guard: Floats | None = None
         self.judges_path = True
@@ -121,7 +120,7 @@ class SlewTask(Task):
             speed_limited=enforce_speed_limits
             and self.has_speed_limits
             and craft.thrusters.count == 0,
-            gyroscopic=self._gyroscopic_turn() > _SMALL_GYROSCOPIC_TURN,
+            gyroscopic=self._gyroscopic_turn(beginning.momentum) > _SMALL_GYROSCOPIC_TURN,
             propelled=craft.thrusters.count > 0,
         )
         self.form, self.system = form, slew_system(form)
@@ -133,7 +132,7 @@ class SlewTask(Task):
         plant = slew_parameters(
             craft,
             self.mounting,
-            self.start,
+            beginning,
             coarsen(self.table, self.intervals, substeps),
             aim,
             passage,
@@ -180,9 +179,8 @@ class SlewTask(Task):
         """Whether any wheel has a speed limit."""
         return bool(np.isfinite(self.craft.wheels.speed_limit).any())
 
-    def _gyroscopic_turn(self) -> float:
+    def _gyroscopic_turn(self, momentum: Array) -> float:
         """|H| T over the least moment of inertia: how far the momentum could turn the body."""
-        momentum = total_momentum(self.craft, self.start.omega_ib, self.start.omega_bw)
         least = np.linalg.eigvalsh(np.asarray(self.craft.inertia_without_spin)).min()
         return float(np.linalg.norm(momentum)) * self.intervals * self.step / float(least)
 
@@ -231,6 +229,13 @@ class SlewTask(Task):
             key=("fly", torque.shape[1:], table.stages.gradient.shape),
         )
         return at_nodes(flown, every) if watched else flown
+
+    def begin_verifying(self, pool: Executor) -> None:
+        """Compile ahead what `fly` runs."""
+        every = self.lookout.every if self.watches else 1
+        table = self.lookout.fine if self.watches else self.table
+        torque = np.zeros((CHUNK, self.intervals * every, self.craft.actuators))
+        _fly_many.begin(pool, self.craft, self.start, torque, table)
 
     def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
         """Fly openings of valves at their exact times on the full model, then coast.

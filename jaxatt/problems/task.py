@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
@@ -164,6 +165,9 @@ class Task(ABC):
 
         Returns the verdict and the named parts of the printed cost, each (S,).
         """
+
+    def begin_verifying(self, pool: Executor) -> None:  # noqa: B027
+        """Compile ahead, in threads of a pool, what `verify` runs; nothing, if that is little."""
 
     @abstractmethod
     def effort(self, controls: Floats) -> Floats:

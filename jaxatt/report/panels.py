@@ -16,12 +16,13 @@ from jaxatt.report.figure import CHEAP, COAST, FORBIDDEN, colour, tidy
 from jaxatt.report.limits import body_torque_limit
 from jaxatt.report.result import Flags, Floats, Result
 from jaxatt.report.timeline import Timeline, timeline
+from jaxatt.runtime import RUNS_ONCE
 
 ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
 AXES = ("x", "y", "z")
 _TORQUES = {"body": "body", "wheels": "wheel", "thrusters": "thruster"}
 _RPM = 60.0 / (2.0 * np.pi)
-_euler = jax.jit(euler.from_quaternion)
+_euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
 
 
 def shade(axes: Axes, result: Result, legend: bool = True) -> None:

@@ -21,7 +21,8 @@ Progress = Callable[[int], None]
 """Called by the host with the number of rows that have just ended."""
 
 
-def _cores() -> int:
+def cores() -> int:
+    """Cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
@@ -31,7 +32,7 @@ def workers() -> int:
     One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime`.
     """
     inline = not jax.config.read("jax_cpu_enable_async_dispatch")  # type: ignore[no-untyped-call]
-    return _cores() if inline and jax.default_backend() == "cpu" else 1
+    return cores() if inline and jax.default_backend() == "cpu" else 1
 
 
 def chunk_for(count: int) -> int:

@@ -15,6 +15,8 @@ from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, traj
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft
 
+_STAGE_TIMES = (0.0, 0.5, 0.5, 1.0)
+
 
 def _half_steps(table: EnvironmentTable) -> Environment:
     """Environment at all half substeps, leading axes (N, 2 S + 1)."""
@@ -69,10 +71,9 @@ def fly_pulses(
         middle = first + 0.5 * h
         thrust = jnp.where((opened <= middle) & (middle < shut), limit, 0.0)
         torque = jnp.concatenate([wheel, thrust])
-        begin, centre, end = (_at(along, (first + c * h) / half) for c in (0.0, 0.5, 1.0))
-        state, mean = advance(
-            craft, state, lambda x, environment: torque, (begin, centre, centre, end), h
-        )
+        times = first + jnp.asarray(_STAGE_TIMES) * h
+        stages = jax.vmap(lambda time: _at(along, time / half))(times)
+        state, mean = advance(craft, state, lambda x, environment: torque, stages, h)
         return (state, impulse + h * mean), None
 
     def interval(

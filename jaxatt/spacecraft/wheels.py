@@ -48,17 +48,19 @@ class ReactionWheels:
         return int(self.axes.shape[-1])
 
     @property
-    def allocation(self) -> jax.Array:
+    def allocation(self) -> Array:
         """Moore-Penrose map of body torque to wheel torque, (n, 3); Schaanning (2021), eq. 2.42.
 
         The mounting has full row rank, so the pseudo-inverse is ``A' (A A')^-1``: smooth in the
         axes, where one by singular values has no derivative for equal singular values.
         """
-        axes = jnp.asarray(self.axes)
+        # Plain numbers stay on the host, where nothing has to be compiled.
+        axes, library = self.axes, np if isinstance(self.axes, np.ndarray) else jnp
         if self.count == 0:
-            return jnp.zeros((0, 3), axes.dtype)
-        gram = axes @ jnp.swapaxes(axes, -1, -2)
-        return jnp.swapaxes(jnp.linalg.solve(gram, axes), -1, -2)
+            return library.zeros((0, 3), axes.dtype)
+        gram = axes @ axes.swapaxes(-1, -2)
+        allocation: Array = library.linalg.solve(gram, axes).swapaxes(-1, -2)
+        return allocation
 
     @property
     def spin_inertia_body(self) -> Array:
