@@ -123,7 +123,7 @@ def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
     """What a flight (S = 1) says of cones and rate limits."""
     if not task.pointing:
         return None
-    lookout, times = task.lookout, task.lookout.times - task.grid.start_time
+    lookout, times = task.lookout, task.lookout.elapsed
     guard = np.zeros(len(task.pointing.cones) + 1) if task.guard is None else task.guard
     return PointingRecord(
         time=times,

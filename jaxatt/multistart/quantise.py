@@ -77,7 +77,7 @@ def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
     extremes: tuple[Extreme, ...] = ()
     if task.watches:
         one = jax.tree.map(lambda leaf: leaf[None], flown)
-        extremes = task.watch(one).extremes(task.lookout.times - task.grid.start_time)
+        extremes = task.watch(one).extremes(task.lookout.elapsed)
     arrived = all(error <= task.tolerances[name] for name, error in found.items())
     wheels = np.any(np.abs(pulses.wheel_torque) > task.threshold, axis=1)
     return Quantised(

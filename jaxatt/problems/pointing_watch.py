@@ -116,15 +116,15 @@ class Lookout:
         return refined(self.table)
 
     @functools.cached_property
-    def times(self) -> Floats:
-        """Times (T,) [s] of the instants, the coast included."""
+    def elapsed(self) -> Floats:
+        """Times (T,) [s] of the instants since the table's first node, the coast included."""
         count = self.fine.nodes.gradient.shape[0]
-        return np.asarray(self.start + float(self.fine.substep) * np.arange(count))
+        return np.asarray(float(self.fine.substep) * np.arange(count))
 
     @functools.cached_property
     def directions(self) -> Floats:
         """Directions (T, m, 3) of the cones then, in inertial axes."""
-        return self.pointing.directions(self.times, self.fine.nodes.orbit_attitude)
+        return self.pointing.directions(self.start + self.elapsed, self.fine.nodes.orbit_attitude)
 
     def at_nodes(self, intervals: int) -> Floats:
         """Directions (intervals + 1, m, 3) at the first nodes."""
