@@ -109,7 +109,7 @@ def _leg(
             status=found.status,
             reached=found.reached,
             active_intervals=active.any(axis=2).sum(axis=1),
-            effort=task.effort(found.controls, found.step),
+            effort=np.asarray(np.abs(found.controls).sum(axis=(1, 2)) * found.step),
             long_way=found.long_way,
             iterations=found.iterations,
             shortfall=found.verdict.shortfall,

@@ -123,7 +123,6 @@ def _states(
     relative = np.concatenate([1.0 - squared, 2.0 * nodes], axis=-1) / (1.0 + squared)
     attitude = _product(np.asarray(task.departure.q_ob), relative)
     if form.body.attitude == "mrp":
-        attitude = attitude * np.where(attitude[..., :1] < 0.0, -1.0, 1.0)
         attitude = attitude[..., 1:] / (1.0 + attitude[..., :1])
     parts = [attitude, omega]
     if form.body.momentum == "carried":

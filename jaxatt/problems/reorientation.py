@@ -15,7 +15,7 @@ of every control [N m s / scale], and the logarithm of the mean interval.
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -85,23 +85,6 @@ class ReorientationForm:
     rate_limited: bool = False
 
 
-def _nearer_set(sigma: Array, reference: Array) -> Array:
-    """Of the two sets of MRP of an attitude the one nearer to another."""
-    squared = jnp.sum(sigma**2)
-    other = -sigma / jnp.where(squared > 0.01, squared, 1.0)
-    nearer = jnp.sum((other - reference) ** 2) < jnp.sum((sigma - reference) ** 2)
-    return jnp.where(nearer & (squared > 0.01), other, sigma)
-
-
-def _mrp_difference(x: Array, reference: Array) -> Array:
-    turn = _nearer_set(x[:3], reference[:3]) - reference[:3]
-    return jnp.concatenate([turn, x[3:] - reference[3:]])
-
-
-def _mrp_retract(x: Array, error: Array) -> Array:
-    return x + error
-
-
 @functools.cache
 def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
     """The programme with `size` controls an interval, of `ReorientationParameters`."""
@@ -129,7 +112,7 @@ def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
         if quaternion:
             missing = attitude_row(p.reference, x[:4])
         else:
-            missing = 4.0 * (_nearer_set(x[:3], p.reference) - p.reference)
+            missing = 4.0 * (x[:3] - p.reference)
         return jnp.concatenate([missing, RATE_SCALE * (x[turn : turn + 3] - p.reference_rate)])
 
     def inequality(x: Array, u: Array, share: Array, p: ReorientationParameters) -> Array:
@@ -152,22 +135,27 @@ def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
         duration = jnp.sum(p.share) * jnp.exp(x[-1])
         return jnp.stack([duration / p.shortest - 1.0, 1.0 - duration / p.longest])
 
-    return StagedProgram(
+    program = StagedProgram(
         start=start,
         stages=lambda p: p.share,
         dynamics=dynamics,
         cost=cost,
         curvature=_unused,
         error_size=carried - turn + 3 + impulses + 1,
-        retract=slew_stages.retract if quaternion else _mrp_retract,
-        difference=slew_stages.difference if quaternion else _mrp_difference,
         inequality=inequality,
         final_rows=final_rows,
         final_inequality=final_inequality,
         limits=lambda share, p: (p.lower, p.upper),
         free_start=1,
-        slopes=closed.slopes if quaternion else None,
-        bending=closed.bending if quaternion else None,
+    )
+    if not quaternion:
+        return program
+    return replace(
+        program,
+        retract=slew_stages.retract,
+        difference=slew_stages.difference,
+        slopes=closed.slopes,
+        bending=closed.bending,
     )
 
 

@@ -31,6 +31,8 @@ from jaxatt.simulation.free_body import BodyForm, FreeBody
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
+_LARGEST_MRP = 3.0
+"""Norm beyond which the solver's MRP change sets: 286 deg from where they are zero."""
 _AT_REST = 1e-12
 """[N m s] Total momentum that counts as none."""
 
@@ -94,6 +96,9 @@ class ReorientationTask:
         goal: TimeGoal,
         pointing: Pointing = FREE,
     ):
+        # Of q and -q the one whose MRP are the shorter turn; ways round are told apart from there.
+        q = np.asarray(departure.q_ob)
+        departure = replace(departure, q_ob=-q if q[0] < 0.0 else q)
         self.craft, self.departure, self.aim = craft, departure, aim
         self.intervals, self.goal = intervals, goal
         self.pointing = pointing
@@ -113,6 +118,7 @@ class ReorientationTask:
                 goal.integration,
                 "own" if not wheels.count else self._momentum_form(momentum),
                 goal.substeps,
+                _LARGEST_MRP,
             ),
             time_limited=goal.shortest > 0.0 or np.isfinite(goal.longest),
             speed_limited=limited,
@@ -189,7 +195,7 @@ class ReorientationTask:
         relative = np.concatenate([[1.0 - squared], 2.0 * sigma]) / (1.0 + squared)
         end = np.asarray(quaternion.multiply(np.asarray(self.departure.q_ob), relative))
         if self.form.body.attitude == "mrp":
-            return np.asarray(mrp.from_quaternion(end))
+            return np.asarray(mrp.from_quaternion(end, short=False))
         return end
 
     @property

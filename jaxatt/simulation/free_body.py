@@ -30,12 +30,15 @@ class BodyForm:
     momentum : "zero", where it is zero and stays so; "own", J omega, without wheels; "carried",
         three states more.
     substeps : steps of the integration an interval.
+    largest_mrp : norm of MRP beyond which they are switched to the other set: 1 for the shorter
+        turn; an optimisation switches later, so that a path up to 1.6 pi long is one smooth motion.
     """
 
     attitude: str = "quaternion"
     integration: str = "rk4"
     momentum: str = "zero"
     substeps: int = 1
+    largest_mrp: float = 1.0
 
     @property
     def attitude_size(self) -> int:
@@ -67,10 +70,10 @@ def mrp_rate(sigma: Components, w: Components) -> Components:
     )
 
 
-def switched(sigma: Components) -> Components:
-    """The set of MRP inside the unit sphere."""
+def switched(sigma: Components, largest: float = 1.0) -> Components:
+    """MRP, or their other set where their norm is beyond the largest."""
     squared = sum(s * s for s in sigma)
-    outside = squared > 1.0
+    outside = squared > largest**2
     scale = jnp.where(outside, -1.0 / jnp.where(outside, squared, 1.0), 1.0)
     return tuple(scale * s for s in sigma)
 
@@ -98,7 +101,7 @@ def derivative(state: Components, torque: Components, body: FreeBody, form: Body
 def _tidied(state: Components, form: BodyForm) -> Components:
     size = form.attitude_size
     if form.attitude == "mrp":
-        return switched(state[:size]) + state[size:]
+        return switched(state[:size], form.largest_mrp) + state[size:]
     scale = lax.rsqrt(sum(x * x for x in state[:4]))
     return tuple(x * scale for x in state[:4]) + state[4:]
 
@@ -108,8 +111,8 @@ def step(
 ) -> Components:
     """State after an interval of h [s] under held torques; see `derivative`.
 
-    A quaternion is normalised and MRP are switched to the set inside the unit sphere after every
-    step of the integration.
+    A quaternion is normalised and MRP are switched where they are too large, after every step of
+    the integration.
     """
     part = h / form.substeps
 

@@ -65,7 +65,7 @@ def test_closed_form_derivatives_are_those_of_the_step(case, limited):
     size = own.error_size + 1
     for _ in range(3):
         x = np.concatenate([random_vehicles.unit(rng, 4), 0.02 * rng.normal(size=size - 4)])
-        x[-1] = np.log(rng.uniform(0.2, 1.0))
+        x[-1] = np.log(rng.uniform(0.05, 0.25))
         u = rng.uniform(-1.0, 1.0, task.actuation.size)
         p = task.parameters
         ahead = own.dynamics(jnp.asarray(x), jnp.asarray(u), jnp.ones(()), p)
