@@ -109,10 +109,7 @@ def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
         return share * jnp.exp(x[-1]) * (1.0 + p.effort_weight * squared)
 
     def final_rows(x: Array, p: ReorientationParameters) -> Array:
-        if quaternion:
-            missing = attitude_row(p.reference, x[:4])
-        else:
-            missing = 4.0 * (x[:3] - p.reference)
+        missing = attitude_row(p.reference, x[:4]) if quaternion else 4.0 * (x[:3] - p.reference)
         return jnp.concatenate([missing, RATE_SCALE * (x[turn : turn + 3] - p.reference_rate)])
 
     def inequality(x: Array, u: Array, share: Array, p: ReorientationParameters) -> Array:
