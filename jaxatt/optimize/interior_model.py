@@ -101,39 +101,37 @@ def model(
     def inequality(z: Array, x: Array, u: Array, stage: Any) -> Array:
         return program.inequality(program.retract(x, z[:n]), u + z[n:], stage, args)
 
-    def first(_: None, inputs: Any) -> tuple[None, Any]:
-        x, x_next, u, dual, stage = inputs
+    def first(x: Array, x_next: Array, u: Array, dual: Array, stage: Any) -> Any:
         found = slopes(program, x, u, x_next, stage, args)
         margins, slope = inequality(at, x, u, stage), jnp.zeros((0, n + size), dtype)
         by_cost = found.cost
         if margins.shape[0]:
             slope = jax.jacfwd(inequality)(at, x, u, stage)
             by_cost = by_cost - jnp.sum(dual[:, None] * slope, axis=0)
-        return None, (found.gap, found.dynamics, by_cost, margins, slope)
+        return found.gap, found.dynamics, by_cost, margins, slope
 
     def backwards(costate: Array, inputs: tuple[Array, Array]) -> tuple[Array, Any]:
         dynamics, by_cost = inputs
         gradient = by_cost + jnp.sum(dynamics * costate[:, None], axis=0)
         return gradient[:n], (gradient, costate)
 
-    def second(_: None, inputs: Any) -> tuple[None, Array]:
-        x, x_next, u, dual, costate, stage = inputs
+    def second(x: Array, x_next: Array, u: Array, dual: Array, costate: Array, stage: Any) -> Array:
         hessian = bending(program, x, u, x_next, stage, args, costate)
         if dual.shape[0]:
             hessian = hessian - jax.hessian(lambda z: jnp.sum(dual * inequality(z, x, u, stage)))(
                 at
             )
-        return None, hessian
+        return hessian
 
-    # Three loops: inside the recursion of the costates XLA would compute the rest again for every
-    # use.
+    # The recursion of the costates alone is a loop: inside it XLA would compute the rest again for
+    # every use, and all stages at once are fewer and larger operations.
     stages, following = program.stages(args), nodes.following
-    inputs = (nodes.x, following, nodes.u, path, stages)
-    gap, dynamics, by_cost, margins, slope = lax.scan(first, None, inputs)[1]
+    inputs = (nodes.x, following, nodes.u, path)
+    gap, dynamics, by_cost, margins, slope = jax.vmap(first)(*inputs, stages)
     costate, (gradient, costates) = lax.scan(
         backwards, jax.grad(last)(rest), (dynamics, by_cost), reverse=True
     )
-    hessian = lax.scan(second, None, (nodes.x, following, nodes.u, path, costates, stages))[1]
+    hessian = jax.vmap(second)(*inputs, costates, stages)
     return Model(
         gap,
         dynamics,

@@ -37,8 +37,8 @@ _SOLVED_TO = 10.0
 """A barrier problem counts as solved at this many times its barrier."""
 _TO_BOUNDARY = 0.99
 _PUSH = 1e-2
-_LENGTHS = (1.0, 0.3, 0.1, 0.02)
-"""Of the longest step: what a line search tries."""
+_SHORTER = 0.3
+_MOST_TRIALS = 4
 _PROGRESS = 1e-4
 _NEGLIGIBLE = 1e-7
 _FIRST_SHIFT = 1e-4
@@ -59,8 +59,8 @@ class InteriorSettings:
     """
 
     tolerance: float = 1e-8
-    barrier: float = 0.1
-    factor: float = 0.2
+    barrier: float = 0.02
+    factor: float = 0.1
     power: float = 1.5
     row_penalty: float = 1e7
     max_iterations: int = 200
@@ -108,11 +108,13 @@ class _State(NamedTuple):
 
 
 class _Trial(NamedTuple):
-    """A step length that was accepted, 0 for none, and what was found there."""
+    """The last step length tried, how many there were, and what was found there."""
 
+    trials: Array
     length: Array
     cost: Array
     unmet: Array
+    accepted: Array
 
 
 def _largest(values: Array) -> Array:
@@ -231,7 +233,11 @@ def solve_interior(
         dual_length = _to_boundary(dual, dual_step, share)
         unmet_now, merit_now = state.unmet, merit(state.cost, point, barrier)
 
-        def attempt(best: _Trial, length: Array) -> tuple[_Trial, None]:
+        def rejected(tried: _Trial) -> Array:
+            return ~(tried.accepted | (tried.trials >= _MOST_TRIALS))
+
+        def attempt(last: _Trial) -> _Trial:
+            length = jnp.where(last.trials == 0, longest, _SHORTER * last.length)
             trial = along(point, step, length)
             seen = values(program, trial.nodes, args)
             miss, cost = unmet(seen, trial), merit(seen.cost, trial, barrier)
@@ -240,15 +246,12 @@ def solve_interior(
             level = (miss <= _NEGLIGIBLE) & (cost <= merit_now + 1e-10 * jnp.abs(merit_now))
             good = (miss <= state.most) & (nearer | cheaper | level)
             good = good & jnp.isfinite(miss) & jnp.isfinite(cost)
-            first = good & (best.length == 0.0)
-            found = _Trial(length, seen.cost, miss)
-            return jax.tree.map(lambda new, old: jnp.where(first, new, old), found, best), None
+            return _Trial(last.trials + 1, length, seen.cost, miss, good)
 
-        none = _Trial(jnp.zeros((), dtype), state.cost, state.unmet)
-        lengths = longest * jnp.asarray(_LENGTHS, dtype)
-        tried, _ = lax.scan(attempt, none, lengths)
-        length = jnp.where(step.convex, tried.length, 0.0)
-        accepted = length > 0.0
+        none = _Trial(jnp.asarray(0), longest, state.cost, state.unmet, ~step.convex)
+        tried = lax.while_loop(rejected, attempt, none)
+        accepted = tried.accepted & step.convex
+        length = jnp.where(accepted, tried.length, 0.0)
         trial = along(point, step, length)
         moved = trial._replace(
             dual=jax.tree.map(lambda z, dz: z + dual_length * dz, dual, dual_step),

@@ -101,10 +101,9 @@ def newton_step(
     (value, least), laws = lax.scan(backwards, (end_value, infinite), inputs, reverse=True)
     begin = jnp.zeros(n, dtype)
     if free_start:
-        value = jnp.concatenate([value[:, :n], (value[:, n] + model.costate)[:, None]], axis=1)
-        table, pivot = eliminated(value, n - free_start)
-        begin = jnp.concatenate([begin[free_start:], -table[n - free_start :, n]])
-        least = jnp.minimum(least, pivot)
+        left = eliminated(value[:, :n], value[:, n] + model.costate, n - free_start)
+        begin = jnp.concatenate([begin[free_start:], left.law[:, -1]])
+        least = jnp.minimum(least, left.pivot)
 
     def forwards(x: Array, inputs: tuple[Array, Array, Array]) -> tuple[Array, tuple[Array, Array]]:
         dynamics, law, gap = inputs

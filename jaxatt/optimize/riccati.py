@@ -59,15 +59,36 @@ def product(a: Array, b: Array) -> Array:
     return total
 
 
-def eliminated(table: Array, first: int) -> tuple[Array, Array]:
-    """Gauss-Jordan steps on the pivots of a (p, p + 1) table from row `first` on; least pivot."""
-    least = jnp.asarray(jnp.inf, table.dtype)
-    for k in range(first, table.shape[0]):
-        least = jnp.minimum(least, table[k, k])
-        pivot = table[k] / table[k, k]
-        here = (jnp.arange(table.shape[0]) == k)[:, None]
-        table = jnp.where(here, pivot[None], table - table[:, k][:, None] * pivot[None])
-    return table, least
+class Eliminated(NamedTuple):
+    """What is left of a quadratic model when its last variables have minimised it.
+
+    hessian : (n, n) and gradient : (n,), in the others.  law : (b, n + 1), the variables eliminated
+    by the others, the constant last.  pivot : (), the least; positive where it was a minimum.
+    """
+
+    hessian: Array
+    gradient: Array
+    law: Array
+    pivot: Array
+
+
+def eliminated(hessian: Array, gradient: Array, first: int) -> Eliminated:
+    """Minimise a quadratic model (p, p), (p,) over its variables from number `first` on."""
+    least, rows = jnp.asarray(jnp.inf, gradient.dtype), []
+    for k in range(gradient.shape[0] - 1, first - 1, -1):
+        pivot, column = hessian[k, k], hessian[:k, k]
+        least = jnp.minimum(least, pivot)
+        row, rest = hessian[k, :k] / pivot, gradient[k] / pivot
+        rows.append((row, rest))
+        hessian = hessian[:k, :k] - column[:, None] * row[None]
+        gradient = gradient[:k] - column * rest
+    law: list[Array] = []
+    for row, rest in reversed(rows):
+        found = -jnp.concatenate([row[:first], rest[None]])
+        for j, other in enumerate(law):
+            found = found - row[first + j] * other
+        law.append(found)
+    return Eliminated(hessian, gradient, jnp.stack(law), least)
 
 
 def derivatives_along(program: StagedProgram, flown: Trajectory, args: Any) -> Array:
@@ -120,11 +141,12 @@ def backward_step(
     gradient = jnp.concatenate([gradient[:n], gradient[n:] * free])
     diagonal = jnp.concatenate([jnp.zeros(n, value.dtype), damping * free + (1.0 - free)])
     hessian = hessian * moves[:, None] * moves[None, :] + diagonal[:, None] * jnp.eye(size)
-    table, pivot = eliminated(jnp.concatenate([hessian, gradient[:, None]], axis=1), n)
-    slope = -jnp.sum(gradient[n:] * table[n:, size])
-    law = -jnp.concatenate([table[n:, :n], table[n:, size:] - forced[:, None]], axis=1)
-    quadratic = 0.5 * (table[:n, :n] + table[:n, :n].T)
-    return Policy(jnp.concatenate([quadratic, table[:n, size:]], axis=1), law, slope, pivot)
+    left = eliminated(hessian, gradient, n)
+    slope = jnp.sum(gradient[n:] * left.law[:, n])
+    law = left.law + jnp.concatenate([jnp.zeros((forced.shape[0], n)), forced[:, None]], axis=1)
+    quadratic = 0.5 * (left.hessian + left.hessian.T)
+    rest = jnp.concatenate([quadratic, left.gradient[:, None]], axis=1)
+    return Policy(rest, law, slope, left.pivot)
 
 
 def fly_with_feedback(
