@@ -71,7 +71,7 @@ def test_step_solves_the_dense_system(held):
     laws, slope = [], 0.0
     for k in reversed(range(stages)):
         model = StageModel(*(jnp.asarray(m[k]) for m in (matrices, blocks, gradients)))
-        value, law, part = recursion(
+        value, law, part, _ = recursion(
             value, model, jnp.asarray(free[k]), jnp.asarray(forced[k]), jnp.zeros(())
         )
         laws.insert(0, np.asarray(law))
@@ -122,7 +122,7 @@ def test_whole_step_solves_a_linear_quadratic_problem_at_once():
     for k in reversed(range(stages)):
         z = jnp.concatenate([x[k], flown.u[k]])
         model = StageModel(matrices[k], jnp.eye(n + b), z)
-        value, law, _ = recursion(value, model, jnp.ones(b), jnp.zeros(b), jnp.zeros(()))
+        value, law, _, _ = recursion(value, model, jnp.ones(b), jnp.zeros(b), jnp.zeros(()))
         laws.insert(0, law)
     better, _ = fly_with_feedback(program, flown, jnp.stack(laws), jnp.ones(()), None)
 
