@@ -3,8 +3,8 @@
 What an interval does to the attitude, q+ = q (x) dq, does not depend on q, and the Runge-Kutta step
 keeps that: only dq and the rates need differentiating, by the rates, the controls and the length of
 the interval.  First derivatives are exact.  The curvature is that of a coarser model of the
-interval, dq = exp(h omega + h^2/2 omega'), which is right to a few per cent: Newton's method then
-converges a little slower, to the same point.
+interval, dq = exp(h omega + h^2/2 omega'), right to a few per cent where gaps and momentum are
+small: Newton's method then converges a little slower, to the same point.
 """
 
 from __future__ import annotations
