@@ -27,7 +27,7 @@ def retiring(
     progress: Progress | None,
     key: Hashable,
     together: bool = True,
-    early: int = EARLY_ITERATIONS,
+    early: int | None = None,
 ) -> Any:
     """`run` on all lanes, chunk by chunk, so that the slowest does not rule.
 
@@ -41,7 +41,7 @@ def retiring(
         limited = replace(settings, max_iterations=limit)
         return in_chunks(lambda chunk: run(chunk, limited), some, rows, told, key, together)
 
-    limit = min(early, settings.max_iterations)
+    limit = min(EARLY_ITERATIONS if early is None else early, settings.max_iterations)
     found = solve_with(limit, lanes, progress)
     unfinished = (found.status == Status.FEASIBLE) | (found.status == Status.ITERATION_LIMIT)
     slow = np.flatnonzero(unfinished & (found.iterations >= limit))

@@ -34,13 +34,13 @@ def compiled():
 
 
 def test_a_search_finds_all_its_large_programs_ready(task, compiled):
-    method = Method("l0", rows=8)
+    method = Method("l0", rows=11)  # a size that no other test has had compiled
     with compiled_ahead(task, method):
         pass
     begun = {name for name in compiled if name.startswith("jit(")}
     assert begun
     compiled.clear()
-    starts = draw(1, 8, task.intervals, task.size, 0.2)
+    starts = draw(1, 11, task.intervals, task.size, 0.2)
     u, supports = decide(task, starts, method)
     answers = polish(task, u, supports, starts.sign, method)
     assert answers.verdict.reached.all()

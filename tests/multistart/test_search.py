@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.multistart import batch
+from jaxatt.multistart import retiring
 from jaxatt.multistart.batch import Form, Lanes, solve_lanes
 from jaxatt.multistart.candidates import Candidates, better, evaluate, join, support_of
 from jaxatt.multistart.polish import HOMOTOPY, POLISH
@@ -83,7 +83,7 @@ def test_retiring_slow_lanes_changes_no_result(task, lanes, monkeypatch):
         solve_lanes, form, frozen, task.arguments, replace(POLISH, max_iterations=40)
     )
     retired = solve()
-    monkeypatch.setattr(batch, "_EARLY_ITERATIONS", 10**6)
+    monkeypatch.setattr(retiring, "EARLY_ITERATIONS", 10**6)
     together = solve()
     assert (together.iterations > 16).any()
     for a, b in zip(jax.tree.leaves(retired), jax.tree.leaves(together), strict=True):
