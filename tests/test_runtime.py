@@ -68,3 +68,13 @@ assert jnp.isfinite(found).all()
 """
     ended = run(code)
     assert ended.returncode == 0, ended.stderr
+
+
+def test_importing_the_package_starts_no_backend():
+    """Or `configure` would come too late for XLA's flags: searches would run three times slower."""
+    code = (
+        "import jaxatt, jaxatt.cli, jaxatt.time_legs\n"
+        "from jax._src import xla_bridge\n"
+        "assert not xla_bridge.backends_are_initialized()\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -291,6 +291,5 @@ class ReorientationTask:
         return self.intervals * step + self.goal.effort_weight * self.effort(torque, step)
 
 
-_INERTIAL = Surroundings(
-    None, jnp.asarray(1.0), jnp.asarray(0.0), jnp.asarray(0.0), jnp.asarray(0.0)
-)
+# NumPy, not JAX: an array made at import would start the backend before `configure` has set it up.
+_INERTIAL = Surroundings(None, *(np.asarray(x) for x in (1.0, 0.0, 0.0, 0.0)))  # type: ignore[arg-type]
