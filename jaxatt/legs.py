@@ -11,11 +11,12 @@ from jaxatt import scenarios
 from jaxatt.multistart.candidates import Candidates
 from jaxatt.multistart.quantise import MODES, quantise
 from jaxatt.multistart.search import Found
+from jaxatt.obstacle import obstacle
 from jaxatt.optimize.status import Status
 from jaxatt.problems import sparsity
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
-from jaxatt.problems.task import Floats, Task, Verdict
+from jaxatt.problems.task import Floats, Task
 from jaxatt.problems.toy import ToyTask
 from jaxatt.report.result import FinalTimes, Leg, PointingRecord, StartsRecord, Valves
 from jaxatt.report.wording import broken_limit, limit_label
@@ -176,32 +177,10 @@ def _valves(
     )
 
 
-_ERROR_WORDS = {
-    "attitude": "the target attitude",
-    "rate": "the target rate",
-    "waypoint": "the waypoint's attitude",
-    "state": "the target state",
-}
-
-
 def _obstacle(task: Task, answer: Candidates, pointing: PointingRecord | None = None) -> str:
     """Which constraint is in the way of the closest answer, in words."""
-    verdict, status = answer.verdict, Status(int(answer.status[0]))
-    missed = [
-        f"{_ERROR_WORDS[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its "
-        "tolerance"
-        for name, error in verdict.errors.items()
-        if not error[0] <= verdict.tolerances[name]
-    ]
-    if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
-        missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
-    broken = [] if pointing is None else [e for e in pointing.extremes if not e.satisfied]
-    missed += [broken_limit(extreme) for extreme in broken]
-    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE and not broken:
-        missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
     saturated = task.saturated_intervals(answer.controls[0])
+    binding: tuple[str, ...] = ()
     if saturated:
-        missed.append(f"the control limit binds in {saturated} of {task.intervals} intervals")
-    if status not in (Status.CONVERGED, Status.FEASIBLE):
-        missed.append(f"the solver {status.meaning}: {status.remedy}")
-    return "; ".join(missed)
+        binding = (f"the control limit binds in {saturated} of {task.intervals} intervals",)
+    return obstacle(answer.verdict, Status(int(answer.status[0])), pointing, binding)

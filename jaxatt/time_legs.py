@@ -8,14 +8,14 @@ import time
 import numpy as np
 
 from jaxatt import scenarios
+from jaxatt.arcs import Arcs, resolve_switches
 from jaxatt.attitude import quaternion
-from jaxatt.multistart.arcs import Arcs, resolve_switches
 from jaxatt.multistart.free_time import FreeTimeFound, search_free_time
 from jaxatt.multistart.search import Report
+from jaxatt.obstacle import obstacle
 from jaxatt.optimize.status import Status
 from jaxatt.problems.reorientation_task import ReorientationTask, TimeGoal
 from jaxatt.problems.slew_case import Aim, Departure
-from jaxatt.problems.task import Verdict
 from jaxatt.report.result import Leg, PointingRecord, StartsRecord
 from jaxatt.report.time_optimum import TimeOptimum, switch_times
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
@@ -103,7 +103,7 @@ def _leg(
         objective={"time": final, "effort": scenario.objective.effort_weight * effort},
         effort=float(np.abs(torque).sum() * step),
         reached=reached,
-        obstacle="" if reached else _obstacle(verdict, Status(int(found.status[best]))),
+        obstacle="" if reached else obstacle(verdict, Status(int(found.status[best])), pointing),
         active=active[best].any(axis=1),
         starts=StartsRecord(
             status=found.status,
@@ -155,23 +155,3 @@ def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord |
         extremes=watch.extremes(times),
         guard=found.guard[:-1],
     )
-
-
-_MISSED = {"attitude": "the target attitude", "rate": "the target rate"}
-
-
-def _obstacle(verdict: Verdict, status: Status) -> str:
-    """Which constraint is in the way of the closest answer, in words."""
-    missed = [
-        f"{_MISSED[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its "
-        "tolerance"
-        for name, error in verdict.errors.items()
-        if not error[0] <= verdict.tolerances[name]
-    ]
-    if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
-        missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
-    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE:
-        missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
-    if status != Status.CONVERGED:
-        missed.append(f"the solver {status.meaning}: {status.remedy}")
-    return "; ".join(missed)

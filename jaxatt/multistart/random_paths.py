@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from jaxatt.attitude import quaternion
 from jaxatt.problems.reorientation_task import ReorientationTask
 from jaxatt.problems.slew_case import long_way_probability
 from jaxatt.problems.task import Floats
@@ -121,7 +122,7 @@ def _states(
     form = task.form
     squared = (nodes**2).sum(axis=-1, keepdims=True)
     relative = np.concatenate([1.0 - squared, 2.0 * nodes], axis=-1) / (1.0 + squared)
-    attitude = _product(np.asarray(task.departure.q_ob), relative)
+    attitude = np.asarray(quaternion.multiply(np.asarray(task.departure.q_ob), relative))
     if form.body.attitude == "mrp":
         attitude = attitude[..., 1:] / (1.0 + attitude[..., :1])
     parts = [attitude, omega]
@@ -132,11 +133,3 @@ def _states(
         parts.append(np.concatenate([np.zeros_like(u[:, :1]), spent], axis=1))
     parts.append(np.broadcast_to(np.log(step)[:, None, None], (*nodes.shape[:2], 1)))
     return np.concatenate(parts, axis=-1)
-
-
-def _product(p: Floats, q: Floats) -> Floats:
-    """Product of a quaternion (4,) and others (..., 4)."""
-    w = p[0] * q[..., :1] - (q[..., 1:] @ p[1:])[..., None]
-    return np.concatenate(
-        [w, p[0] * q[..., 1:] + q[..., :1] * p[1:] + np.cross(p[1:], q[..., 1:])], axis=-1
-    )

@@ -6,8 +6,7 @@ import functools
 import numpy as np
 import pytest
 
-from jaxatt import scenarios
-from jaxatt.multistart import arcs
+from jaxatt import arcs, scenarios
 from jaxatt.multistart.free_time import search_free_time
 from jaxatt.multistart.random_paths import random_paths
 from jaxatt.optimize.status import Status
