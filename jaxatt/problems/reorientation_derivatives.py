@@ -1,10 +1,11 @@
 """One interval of a reorientation to second order, its attitude as a quaternion.
 
 What an interval does to the attitude, q+ = q (x) dq, does not depend on q, and the Runge-Kutta step
-keeps that: only dq and the rates need differentiating, by the rates, the controls and the length of
-the interval.  First derivatives are exact.  The curvature is that of a coarser model of the
-interval, dq = exp(h omega + h^2/2 omega'), right to a few per cent where gaps and momentum are
-small: Newton's method then converges a little slower, to the same point.
+keeps that: only dq and the rates need differentiating, by the rates and the torque.  The length of
+the interval needs none: with rates c times as large and torques c^2 times as large, a body passes
+through the same attitudes in 1/c of the time.  First derivatives are exact.  The curvature is that
+of a coarser model of the interval, dq = exp(h omega + h^2/2 omega'), right to a few per cent where
+gaps and momentum are small: Newton's method then converges a little slower, to the same point.
 """
 
 from __future__ import annotations
@@ -78,35 +79,50 @@ class IntervalDerivatives:
         self.spin = body.size - 4
         """Rate and, where it is carried, momentum."""
 
-    def _reduced(self, x: Array, u: Array) -> Array:
-        """What an interval depends on: spin, controls, logarithm of the mean interval, (y,)."""
-        return jnp.concatenate([x[4 : 4 + self.spin], u, x[-1:]])
+    def _state(self, spin: Array) -> Components:
+        still = tuple(jnp.asarray(c, spin.dtype) for c in _IDENTITY)
+        return still + tuple(spin[i] for i in range(self.spin))
 
-    def _state(self, y: Array) -> Components:
-        return tuple(jnp.asarray(c, y.dtype) for c in _IDENTITY) + tuple(
-            y[i] for i in range(self.spin)
-        )
+    def _drive(self, p: ReorientationParameters, u: Array) -> Array:
+        """What drives an interval: the torque that the body feels or, where wheels and thrusters
+        do not act alike on what is carried, the controls themselves.
+        """
+        if self.body.momentum == "carried":
+            return u
+        wheel_and_thrust = torques(p, u)
+        return jnp.stack([wheel_and_thrust[3 + i] - wheel_and_thrust[i] for i in range(3)])
 
-    def _moved(self, y: Array, share: Array, p: ReorientationParameters) -> tuple[Array, Array]:
-        """Turn (4,) and spin after an interval."""
-        h = share * jnp.exp(y[-1])
-        controls = y[self.spin : -1]
-        end = step(self._state(y), torques(p, controls), h, p.body, self.body)
-        return jnp.stack(end[:4]), jnp.stack(end[4:])
+    def _by_controls(self, p: ReorientationParameters, by_drive: Array) -> Array:
+        """(b,) from the derivative by what drives."""
+        if self.body.momentum == "carried":
+            return by_drive
+        push = p.to_external - p.to_body
+        return by_drive[0] * push[0] + by_drive[1] * push[1] + by_drive[2] * push[2]
 
-    def _row(self, turn: Array, by_y: Array, impulse: Array) -> Array:
+    def _torque(self, p: ReorientationParameters, drive: Array) -> Components:
+        if self.body.momentum == "carried":
+            return torques(p, drive)
+        none = jnp.zeros((), drive.dtype)
+        return (-drive[0], -drive[1], -drive[2], none, none, none)
+
+    def _row(self, turn: Array, by_y: Array, impulse: Array, length: Array, u: Array) -> Array:
         """A row in z: turn, spin, impulses, length, controls."""
-        s = self.spin
-        return jnp.concatenate([turn, by_y[:s], impulse, by_y[-1:], by_y[s:-1]])
+        return jnp.concatenate([turn, by_y[: self.spin], impulse, length[None], u])
 
     def slopes(
         self, x: Array, u: Array, x_next: Array, share: Array, p: ReorientationParameters
     ) -> Slopes:
         """See `StagedProgram.slopes`."""
         dtype, spin, impulses = x.dtype, self.spin, self.impulses
-        y = self._reduced(x, u)
+        h = share * jnp.exp(x[-1])
+        y = jnp.concatenate([x[4 : 4 + spin], self._drive(p, u)])
+
+        def moved(y: Array) -> tuple[Array, Array]:
+            end = step(self._state(y), self._torque(p, y[spin:]), h, p.body, self.body)
+            return jnp.stack(end[:4]), jnp.stack(end[4:])
+
         (turned, spun), (turning, spinning) = jax.vmap(
-            lambda direction: jax.jvp(lambda at: self._moved(at, share, p), (y,), (direction,)),
+            lambda direction: jax.jvp(moved, (y,), (direction,)),
             in_axes=0,
             out_axes=((None, None), 0),
         )(jnp.eye(y.shape[0], dtype=dtype))
@@ -115,7 +131,6 @@ class IntervalDerivatives:
         missing = multiply(_conjugate(tuple(x_next[i] for i in range(4))), ahead)
         scale = 1.0 / jnp.maximum(1.0 + missing[0], 1e-6)
         sigma = tuple(scale * missing[i] for i in range(1, 4))
-        h = share * jnp.exp(x[-1])
         first = 4 + spin
         gap = jnp.concatenate(
             [
@@ -128,30 +143,29 @@ class IntervalDerivatives:
         chart = _chart_slope(sigma)
         rates = multiply(_conjugate(dq), tuple(turning[:, i] for i in range(4)))[1:]
         rotation = _rotation(dq)
-        flat, none = jnp.zeros(3, dtype), jnp.zeros(impulses, dtype)
+        # By the logarithm of the length: rates and momentum go with its inverse, torques with the
+        # inverse of its square.
+        degree = jnp.concatenate([y[:spin], 2.0 * y[spin:]])
+        flat, none, zero = jnp.zeros(3, dtype), jnp.zeros(impulses, dtype), jnp.zeros((), dtype)
         rows = []
         for i in range(3):
             by_turn = [sum(chart[i][k] * rotation[k][j] for k in range(3)) for j in range(3)]
             by_y = 2.0 * (chart[i][0] * rates[0] + chart[i][1] * rates[1] + chart[i][2] * rates[2])
-            rows.append(self._row(jnp.stack(by_turn), by_y, none))
-        rows += [self._row(flat, spinning[:, i], none) for i in range(spin)]
+            by_u = self._by_controls(p, by_y[spin:])
+            rows.append(self._row(jnp.stack(by_turn), by_y, none, jnp.sum(degree * by_y), by_u))
+        for i in range(spin):
+            by_y = spinning[:, i]
+            by_u = self._by_controls(p, by_y[spin:])
+            rows.append(self._row(flat, by_y, none, jnp.sum(degree * by_y) - spun[i], by_u))
+        nothing = jnp.zeros(spin, dtype)
         for i in range(impulses):
             own = jnp.eye(self.size, dtype=dtype)[i]
-            by_y = jnp.concatenate([jnp.zeros(spin, dtype), h * own, (h * u[i])[None]])
-            rows.append(self._row(flat, by_y, own[:impulses]))
-        last = jnp.eye(y.shape[0], dtype=dtype)[-1]
-        rows.append(self._row(flat, last, none))
+            rows.append(self._row(flat, nothing, own[:impulses], h * u[i], h * own))
+        still = jnp.zeros(self.size, dtype)
+        rows.append(self._row(flat, nothing, none, zero + 1.0, still))
         spent = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
         by_control = 2.0 * h * p.effort_weight * p.scale**2 * u
-        by_spin = jnp.zeros(spin, dtype)
-        by_y = jnp.concatenate([by_spin, by_control, spent[None]])
-        return Slopes(gap, jnp.stack(rows), self._row(flat, by_y, none))
-
-    def _felt(self, y: Array, p: ReorientationParameters, weights: Array) -> Array:
-        """Weighted sum of the derivatives of rate and momentum, ()."""
-        torque = torques(p, y[self.spin : -1])
-        slope = derivative(self._state(y), torque, p.body, self.body)[4:]
-        return jnp.sum(weights * jnp.stack(slope))
+        return Slopes(gap, jnp.stack(rows), self._row(flat, nothing, none, spent, by_control))
 
     def bending(
         self,
@@ -165,63 +179,64 @@ class IntervalDerivatives:
         """See `StagedProgram.bending`.
 
         Of cost + by_turn . phi + by_spin . (spin + h spin') + by_impulse . h u, with the coarser
-        turn phi = h omega + h^2/2 omega'; spin' is linear in the torques.
+        turn phi = h omega + h^2/2 omega'; spin' is linear in the torques.  Entry by entry, because
+        a matrix put together from blocks is slow to write.
         """
-        dtype, spin, impulses = x.dtype, self.spin, self.impulses
-        y = self._reduced(x, u)
-        h = share * jnp.exp(y[-1])
-        omega = y[:3]
-        slope = jnp.stack(derivative(self._state(y), torques(p, u), p.body, self.body)[4:])
-        push = p.to_external - p.to_body
-        by_torque = jnp.stack(
-            [sum(p.body.inverse[i, k] * push[k] for k in range(3)) for i in range(3)]
-        )
-        force, whole = costate[:3], h * (omega + 0.5 * h * slope[:3])
-        turning = force - 0.5 * _cross(force, whole)
-        by_spin, by_impulse = costate[3 : 3 + spin], costate[3 + spin : -1]
-        still = jnp.zeros(spin - 3, dtype)
+        spin, impulses, size = self.spin, self.impulses, self.size
+        length = 3 + spin + impulses
+        """Where the logarithm of the interval stands; the controls follow."""
+        y = jnp.concatenate([x[4 : 4 + spin], u])
+        h = share * jnp.exp(x[-1])
 
-        # By the logarithm of the interval and everything, itself first.
-        spent = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
-        moved = h * (jnp.sum(by_spin * slope) + jnp.sum(by_impulse * u[:impulses]))
-        itself = spent + moved + jnp.sum(turning * (h * omega + 2.0 * h * h * slope[:3]))
-        weights = h * by_spin + jnp.concatenate([h * h * turning, still])
-        by_y = jax.grad(self._felt)(y, p, weights)
-        direct = jnp.concatenate([h * turning, still])
-        charged = 2.0 * h * p.effort_weight * p.scale**2
-        driven = charged * u + jnp.pad(h * by_impulse, (0, self.size - impulses))
-        none = jnp.zeros(impulses, dtype)
-        edge = jnp.concatenate(
-            [by_y[:spin] + direct, none, jnp.zeros(1, dtype), by_y[spin:-1] + driven]
+        def rate(y: Array) -> Components:
+            return derivative(self._state(y), torques(p, y[spin:]), p.body, self.body)[4:]
+
+        def felt(y: Array, weights: Array) -> Array:
+            return jnp.sum(weights * jnp.stack(rate(y)))
+
+        slope = rate(y)
+        force = tuple(costate[i] for i in range(3))
+        by_spin = [costate[3 + i] for i in range(spin)]
+        by_impulse = [costate[3 + spin + i] for i in range(impulses)]
+        omega = tuple(x[4 + i] for i in range(3))
+        whole = tuple(h * (w + 0.5 * h * a) for w, a in zip(omega, slope[:3], strict=True))
+        turning = [f - 0.5 * c for f, c in zip(force, cross(force, whole), strict=True)]
+
+        def weights(of_turn: float) -> Array:
+            """Of rate and momentum's derivatives, with their share in the turn."""
+            shares = [of_turn * h * h * t for t in turning] + [jnp.zeros_like(h)] * (spin - 3)
+            return jnp.stack([h * b + s for b, s in zip(by_spin, shares, strict=True)])
+
+        paid = [2.0 * h * p.effort_weight * p.scale[j] ** 2 for j in range(size)]
+        spent = h + 0.5 * sum(paid[j] * u[j] ** 2 for j in range(size))
+        moved = h * sum(b * a for b, a in zip(by_spin, slope, strict=True))
+        driven = h * sum((by_impulse[j] * u[j] for j in range(impulses)), jnp.zeros_like(h))
+        reached = sum(
+            t * (h * w + 2.0 * h * h * a) for t, w, a in zip(turning, omega, slope[:3], strict=True)
         )
-        at = (jnp.arange(edge.shape[0]) == spin + impulses).astype(dtype)
-        rest = at[:, None] * edge[None] + edge[:, None] * at[None] + itself * at[:, None] * at[None]
-        paid = jnp.concatenate([jnp.zeros(spin + impulses + 1, dtype), charged])
-        rest = rest + paid[:, None] * jnp.eye(edge.shape[0], dtype=dtype)
+        by_y = jax.grad(felt)(y, weights(1.0))
+        found = {(length, length): spent + moved + driven + reached}
+        for i in range(spin):
+            found[3 + i, length] = by_y[i] + (h * turning[i] if i < 3 else 0.0)
+        for j in range(size):
+            impulse = h * by_impulse[j] if j < impulses else 0.0
+            found[length, length + 1 + j] = by_y[spin + j] + paid[j] * u[j] + impulse
+            found[length + 1 + j, length + 1 + j] = paid[j]
         if self.body.momentum != "zero":
-            weights = h * by_spin + jnp.concatenate([0.5 * h * h * turning, still])
-            bent = jax.hessian(lambda part: self._felt(y.at[:spin].set(part), p, weights))(y[:spin])
-            rest = rest + jnp.pad(bent, (0, edge.shape[0] - spin))
+            bent = jax.hessian(lambda s: felt(jnp.concatenate([s, u]), weights(0.5)))(y[:spin])
+            found |= {(3 + i, 3 + j): bent[i, j] for i in range(spin) for j in range(i, spin)}
         # Two turns in succession: to second order their vectors add, and half their product; the
         # first one, the error of x, is turned on by the interval.
-        by_rate = h * jnp.eye(3, spin, dtype=dtype)
-        by_length = h * (omega + h * slope[:3])
-        turned = jnp.concatenate(
-            [by_rate, jnp.zeros((3, impulses), dtype), by_length[:, None], 0.5 * h * h * by_torque],
-            axis=1,
-        )
-        crossed = -_cross(force, turned)
-        side = 0.5 * (crossed + _cross(whole, crossed))
-        return jnp.concatenate(
-            [
-                jnp.concatenate([jnp.zeros((3, 3), dtype), side], axis=1),
-                jnp.concatenate([side.T, rest], axis=1),
-            ]
-        )
-
-
-def _cross(a: Array, b: Array) -> Array:
-    """Product of a vector (3,) with another or with the columns of a matrix, (3, ...)."""
-    return jnp.stack(
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    )
+        push = p.body.inverse @ (p.to_external - p.to_body)
+        none = jnp.zeros_like(h)
+        turned = {3 + i: tuple(h if k == i else none for k in range(3)) for i in range(3)}
+        turned[length] = tuple(h * (w + h * a) for w, a in zip(omega, slope[:3], strict=True))
+        for j in range(size):
+            turned[length + 1 + j] = tuple(0.5 * h * h * push[i, j] for i in range(3))
+        for at, column in turned.items():
+            crossed = cross(column, force)
+            again = cross(whole, crossed)
+            found |= {(i, at): 0.5 * (crossed[i] + again[i]) for i in range(3)}
+        width = range(length + 1 + size)
+        entries = [found.get((min(i, j), max(i, j)), none) for i in width for j in width]
+        return jnp.stack(entries).reshape(len(width), len(width))
