@@ -65,7 +65,19 @@ def _pool(count: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(count, thread_name_prefix="jaxatt")
 
 
+def pool() -> ThreadPoolExecutor:
+    """Threads for as many chunks as run side by side."""
+    return _pool(workers())
+
+
 _compiled: set[Hashable] = set()
+
+
+def first_time(key: Hashable, rows: int) -> bool:
+    """Whether nothing has run under a key with this many rows, which is noted; None is new."""
+    new = key is None or (key, rows) not in _compiled
+    _compiled.add((key, rows))
+    return new
 
 
 def in_chunks(
@@ -86,9 +98,7 @@ def in_chunks(
     can wait for ever for each other's threads.
     """
     parts = list(padded_chunks(batch, rows))
-    alone = 0 if key is not None and (key, rows) in _compiled else 1
-    alone = alone if together else len(parts)
-    _compiled.add((key, rows))
+    alone = int(first_time(key, rows)) if together else len(parts)
     gathered = []
 
     def one(part: tuple[Any, int]) -> Any:
@@ -108,6 +118,6 @@ def in_chunks(
     if len(rest) == 1:
         collect(one(rest[0]), rest[0][1])
     elif rest:
-        for found, part in zip(_pool(workers()).map(one, rest), rest, strict=True):
+        for found, part in zip(pool().map(one, rest), rest, strict=True):
             collect(found, part[1])
     return jax.tree.map(lambda *leaves: np.concatenate(leaves), *gathered)
