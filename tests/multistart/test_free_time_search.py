@@ -3,11 +3,12 @@
 import dataclasses
 import functools
 
+import jax
 import numpy as np
 import pytest
 
 from jaxatt import arcs, scenarios
-from jaxatt.multistart.free_time import search_free_time
+from jaxatt.multistart.free_time import search_free_time, solve_paths
 from jaxatt.multistart.random_paths import random_paths
 from jaxatt.optimize.status import Status
 from jaxatt.time_legs import build_time_task, time_leg
@@ -65,6 +66,20 @@ def test_all_starts_meet_in_one_minimum_that_flies():
     assert result.minima == 1 and result.share == 1.0
     assert result.reached.all()
     assert np.degrees(result.verdict.errors["attitude"]).max() < 1e-2
+
+
+def test_a_start_depends_on_itself_alone():
+    """Other neighbours, another place, one of them not a number: the same to the last bit."""
+    task = build_time_task(case())
+    paths = random_paths(task, 6, 0)
+    alone = solve_paths(task, paths)
+    order = np.array([4, 2, 0, 5, 1, 3, 4])
+    moved = type(paths)(*(values[order].copy() for values in paths))
+    moved.u[6] = np.nan
+    among = solve_paths(task, moved)
+    for a, b in zip(jax.tree.leaves(alone), jax.tree.leaves(among), strict=True):
+        np.testing.assert_array_equal(a[order[:6]], b[:6])
+    assert among.status[6] == Status.NOT_FINITE
 
 
 def test_new_values_do_not_compile_again():
