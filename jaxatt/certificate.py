@@ -28,7 +28,6 @@ from jaxatt.multistart.enumeration import (
     masks_of,
 )
 from jaxatt.multistart.polish import Method, polish
-from jaxatt.multistart.search import Report
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Flags, Task
@@ -41,7 +40,7 @@ from jaxatt.report.result import Leg, Result
 from jaxatt.report.summary import write_json
 from jaxatt.scenarios.build import build_task
 from jaxatt.scenarios.model import TIME_KINDS
-from jaxatt.simulation.chunks import chunk_for
+from jaxatt.simulation.chunks import Report, chunk_for
 from jaxatt.solving import solve
 
 if TYPE_CHECKING:

@@ -9,13 +9,14 @@ import numpy as np
 from jaxatt import scenarios
 from jaxatt.multistart.final_time import Timed, search_final_time
 from jaxatt.multistart.limited_search import search_within_limits
-from jaxatt.multistart.search import Found, Report, search
+from jaxatt.multistart.search import Found, search
 from jaxatt.multistart.time_cost import Pricing
 from jaxatt.pd_flight import flown_controls, fly_pd
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task
 from jaxatt.report.result import FinalTimes
 from jaxatt.scenarios.valves import shortest_interval
+from jaxatt.simulation.chunks import Report
 
 GUESSES = ("pulses", "pd", "l1")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
 
 import jax
@@ -22,10 +21,9 @@ from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.scenarios.flight_build import Plan, build_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Spread, fly_runs
+from jaxatt.simulation.chunks import Report
 from jaxatt.simulation.flight import fly_torque
 from jaxatt.solving import solve, versions
-
-Report = Callable[[str, int], None]
 
 _FINE = 4  # Runge-Kutta steps a sample, when a plan is flown for its reference
 

@@ -16,12 +16,12 @@ from jaxatt import scenarios
 from jaxatt.clock import compile_seconds
 from jaxatt.leg_search import search_leg
 from jaxatt.legs import guard_notes, leg_of
-from jaxatt.multistart.search import Report
 from jaxatt.problems.slew_case import Departure
 from jaxatt.problems.task import Floats
 from jaxatt.report.result import Leg, Result
 from jaxatt.scenarios.build import build_task
 from jaxatt.scenarios.model import TIME_KINDS
+from jaxatt.simulation.chunks import Report
 from jaxatt.time_legs import time_leg
 
 

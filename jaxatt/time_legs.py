@@ -11,13 +11,13 @@ from jaxatt import scenarios
 from jaxatt.arcs import Arcs, resolve_switches
 from jaxatt.attitude import quaternion
 from jaxatt.multistart.free_time import FreeTimeFound, search_free_time
-from jaxatt.multistart.search import Report
 from jaxatt.obstacle import obstacle
 from jaxatt.optimize.status import Status
 from jaxatt.problems.reorientation_task import ReorientationTask, TimeGoal
 from jaxatt.problems.slew_case import Aim, Departure
 from jaxatt.report.result import Leg, PointingRecord, StartsRecord
 from jaxatt.report.time_optimum import TimeOptimum, switch_times
+from jaxatt.simulation.chunks import Report
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 
 

@@ -13,19 +13,14 @@ import jax
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.multistart.free_time import (
-    FreeTimeFound,
-    Report,
-    evaluate,
-    search_free_time,
-    solve_paths,
-)
+from jaxatt.multistart.free_time import FreeTimeFound, evaluate, search_free_time
+from jaxatt.multistart.path_batch import solve_paths
 from jaxatt.multistart.random_paths import Paths, random_paths
 from jaxatt.optimize.interior_point import InteriorSettings, InteriorSolution
 from jaxatt.optimize.status import Status
 from jaxatt.problems.reorientation_task import ReorientationTask
 from jaxatt.problems.task import Floats
-from jaxatt.simulation.chunks import chunk_for
+from jaxatt.simulation.chunks import Report, chunk_for
 
 _WARM = InteriorSettings(barrier=1e-2)
 

@@ -28,9 +28,10 @@ import numpy as np
 from jaxatt.multistart.candidates import Candidates, join, support_of
 from jaxatt.multistart.least_time import TOLERANCE, exchange, finish, shorten
 from jaxatt.multistart.polish import Method
-from jaxatt.multistart.search import Found, Report, chosen, look, search
+from jaxatt.multistart.search import Found, chosen, look, search
 from jaxatt.multistart.time_cost import Ledger, Offer, Pricing, Rebuild, Trial, cheaper
 from jaxatt.problems.task import Task
+from jaxatt.simulation.chunks import Report
 
 Attempt = Callable[[float], tuple[Task, Found]]
 """Final time [s] -> a task and all that a search finds there."""

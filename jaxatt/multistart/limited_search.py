@@ -15,10 +15,10 @@ import numpy as np
 
 from jaxatt.multistart.candidates import Candidates, better, join, support_of
 from jaxatt.multistart.polish import Method, polish
-from jaxatt.multistart.search import Found, Report, chosen, search
+from jaxatt.multistart.search import Found, chosen, search
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.problems.task import Floats, Task, Verdict
-from jaxatt.simulation.chunks import chunk_for
+from jaxatt.simulation.chunks import Report, chunk_for
 
 _ROUNDS = 3
 _LITTLE = 0.02

@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,12 +22,9 @@ from jaxatt.multistart.starts import draw
 from jaxatt.optimize.status import Status
 from jaxatt.optimize.support import Mask
 from jaxatt.problems.task import Floats, Task
-from jaxatt.simulation.chunks import chunk_for
+from jaxatt.simulation.chunks import Report, chunk_for
 
 _IMPROVED = 2
-
-Report = Callable[[str, int], None]
-"""(stage, starts that have just ended), called by the host between chunks."""
 
 
 @dataclass(frozen=True)

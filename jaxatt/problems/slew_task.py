@@ -188,12 +188,12 @@ class SlewTask(Task):
         """Torques in the optimisation's axes [N m], within limits, thresholded."""
         bounded = np.clip(np.asarray(u, float), self.mounting.lower, self.mounting.upper)
         torque = bounded * self.scale
-        size = np.abs(torque).max(axis=-1, keepdims=True) if self.shared else np.abs(torque)
+        size = _largest(torque) if self.shared else np.abs(torque)
         torque = np.where(size <= self.threshold, 0.0, torque)
         if self.craft.wheels.count == 0:
             return np.asarray(torque)
-        relative = np.abs(self.wheel_torque(torque)) / np.asarray(self.craft.wheels.torque_limit)
-        return np.asarray(torque / np.maximum(1.0, relative.max(axis=-1, keepdims=True)))
+        relative = self.wheel_torque(torque) / np.asarray(self.craft.wheels.torque_limit)
+        return np.asarray(torque / np.maximum(1.0, _largest(relative)))
 
     def from_controls(self, controls: Floats) -> Floats:
         """Scaled variables from torques in the optimisation's axes [N m]."""
@@ -342,3 +342,9 @@ class SlewTask(Task):
         turn = np.asarray(_turn(self.start.q_ob, self.aim.q_ob))
         rate, duration = self.departure.omega_ob, self.intervals * self.step
         return long_way_probability(turn, rate, duration)
+
+
+def _largest(values: Floats) -> Floats:
+    """Largest size along the last axis, (..., 1); NumPy is slow to reduce a short last axis."""
+    sizes = np.moveaxis(np.abs(values), -1, 0)
+    return np.asarray(functools.reduce(np.maximum, sizes))[..., None]

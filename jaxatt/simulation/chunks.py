@@ -20,6 +20,9 @@ ACCELERATOR_CHUNK = 4096
 Progress = Callable[[int], None]
 """Called by the host with the number of rows that have just ended."""
 
+Report = Callable[[str, int], None]
+"""(stage, starts that have just ended), called by the host between chunks."""
+
 
 def cores() -> int:
     """Cores that this process may use."""
@@ -115,9 +118,13 @@ def in_chunks(
     for part in parts[:alone]:
         collect(one(part), part[1])
     rest = parts[alone:]
-    if len(rest) == 1:
-        collect(one(rest[0]), rest[0][1])
-    elif rest:
-        for found, part in zip(pool().map(one, rest), rest, strict=True):
-            collect(found, part[1])
+    # Where there is one for every core, this thread takes one: waking another takes its time.
+    mine = rest[-1:] if len(rest) <= workers() else []
+    others = rest[: len(rest) - len(mine)]
+    under_way = [pool().submit(one, part) for part in others]
+    own = [one(part) for part in mine]
+    for running, part in zip(under_way, others, strict=True):
+        collect(running.result(), part[1])
+    for found, part in zip(own, mine, strict=True):
+        collect(found, part[1])
     return jax.tree.map(lambda *leaves: np.concatenate(leaves), *gathered)

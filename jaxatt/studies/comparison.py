@@ -12,7 +12,6 @@ import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
-from jaxatt.multistart.search import Report
 from jaxatt.report import plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
@@ -24,6 +23,7 @@ from jaxatt.report.summary import summary, write_json
 from jaxatt.report.tables import comparison_table
 from jaxatt.report.wording import OBJECTIVES
 from jaxatt.scenarios.model import TIME_KINDS
+from jaxatt.simulation.chunks import Report
 from jaxatt.solving import solve
 from jaxatt.studies.baseline import FlownPD, fly_pd_legs
 from jaxatt.studies.relative_sparsity import attainable

@@ -14,13 +14,13 @@ from rich.text import Text
 
 from jaxatt import scenarios
 from jaxatt.multistart.effort_path import EffortPath, effort_path
-from jaxatt.multistart.search import Report
 from jaxatt.report.figure import Picture, picture
 from jaxatt.report.figure import save as save_figure
 from jaxatt.report.files import filling
 from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.summary import write_json
 from jaxatt.report.wording import short
+from jaxatt.simulation.chunks import Report
 from jaxatt.time_legs import build_time_task
 
 WEIGHTS = tuple(float(f"{10.0 ** (k / 4.0):.4g}") for k in range(-12, 5))

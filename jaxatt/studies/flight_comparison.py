@@ -22,7 +22,8 @@ from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.summary import write_json
 from jaxatt.scenarios import load_flight
 from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.simulating import Report, plan_of, simulate
+from jaxatt.simulating import plan_of, simulate
+from jaxatt.simulation.chunks import Report
 
 REPRODUCED = 0.05
 """Relative difference up to which a printed value counts as reproduced."""

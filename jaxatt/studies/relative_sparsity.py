@@ -20,7 +20,6 @@ from jaxatt.multistart.bursts import nearest_bursts, try_bursts
 from jaxatt.multistart.candidates import join
 from jaxatt.multistart.limited_search import search_within_limits
 from jaxatt.multistart.polish import Method
-from jaxatt.multistart.search import Report
 from jaxatt.problems.slew_task import SlewTask
 from jaxatt.report.figure import Picture, picture, save, tidy
 from jaxatt.report.files import filling
@@ -28,6 +27,7 @@ from jaxatt.report.summary import write_json
 from jaxatt.report.wording import plural
 from jaxatt.scenarios.build import build_task
 from jaxatt.scenarios.model import TIME_KINDS
+from jaxatt.simulation.chunks import Report
 from jaxatt.studies.impulse_balance import (
     eigenaxis_on_time,
     least_intervals,

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from jaxatt import arcs, scenarios
-from jaxatt.multistart.free_time import search_free_time, solve_paths
+from jaxatt.multistart.free_time import search_free_time
+from jaxatt.multistart.path_batch import solve_paths
 from jaxatt.multistart.random_paths import random_paths
 from jaxatt.optimize.status import Status
 from jaxatt.time_legs import build_time_task, time_leg
