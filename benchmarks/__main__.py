@@ -35,6 +35,8 @@ from benchmarks.usefulness import useful  # noqa: E402
 MAIN = "hypso1-90-45-15"
 _LARGE_BATCH = 4096
 """Of roll-outs, which take too little time to be measured in small ones."""
+_TURNS = 5
+"""Of both sides, for the ratios that a machine's faster and slower minutes would spoil."""
 SLEWS = (MAIN, "hypso1-75-50-15", "hypso1-90-45-15-half-torque")
 
 
@@ -73,6 +75,17 @@ def casadi_side(case: str, method: str, starts: int, folder: Path) -> dict[str, 
         "useful_per_second": good / together.wall_s,
         "memory_MiB": max(outcome.memory_MiB for outcome in together.outcomes),
     }
+
+
+def in_turn(options: argparse.Namespace, batches: tuple[int, ...], folder: Path) -> dict[str, Any]:
+    """Useful starts a second of both sides, one straight after the other."""
+    rates = {}
+    for batch in batches:
+        found = jaxatt_side.searches(MAIN, batch, options.repeats)
+        rates[str(batch)] = found.per_second * (found.useful_share or 0.0)
+    other = casadi_side(MAIN, "ipopt", options.starts, folder)["useful_per_second"]
+    print(f"in turn: {rates} and, IPOPT, {other:.1f} useful a second", flush=True)
+    return {"jaxatt": rates, "ipopt": other}
 
 
 def main() -> None:
@@ -119,6 +132,8 @@ def main() -> None:
             for method in ("thesis-chain", "thesis-chain-warm"):
                 report["casadi"].append(casadi_side(MAIN, method, 2, Path(folder)))
     if not options.quick:
+        with tempfile.TemporaryDirectory() as folder:
+            report["turns"] = [in_turn(options, batches, Path(folder)) for _ in range(_TURNS)]
         report["processes"] = {k: asdict(v) for k, v in cold_and_warm(MAIN).items()}
     text = tables.markdown(report)
     print(text)

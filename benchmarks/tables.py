@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import statistics
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 _MAIN = "hypso1-90-45-15"
@@ -84,6 +85,28 @@ def _other_rate(report: Mapping[str, Any], method: str, case: str) -> float | No
     return None
 
 
+def _in_turn(turns: Sequence[Mapping[str, Any]]) -> list[tuple[str, str, str]]:
+    """Medians, and the range, of ratios whose sides were measured straight after each other."""
+
+    def row(name: str, ratios: list[float], digits: int, goal: str) -> tuple[str, str, str]:
+        middle, least, most = statistics.median(ratios), min(ratios), max(ratios)
+        return name, f"{middle:.{digits}f} ({least:.{digits}f} to {most:.{digits}f})", goal
+
+    if not turns:
+        return []
+    rows = [
+        row(
+            f"in turn, useful a second against IPOPT, {batch} starts, times",
+            [turn["jaxatt"][batch] / turn["ipopt"] for turn in turns],
+            0,
+            "100" if batch == "64" else "",
+        )
+        for batch in turns[0]["jaxatt"]
+    ]
+    shares = [turn["jaxatt"]["1024"] / max(turn["jaxatt"].values()) for turn in turns]
+    return [*rows, row("in turn, 1024 starts, of the best batch", shares, 2, "0.9")]
+
+
 def _ratios(report: Mapping[str, Any]) -> str:
     rows: list[tuple[str, str, str]] = []
 
@@ -120,6 +143,7 @@ def _ratios(report: Mapping[str, Any]) -> str:
     if 1024 in rates:
         share = rates[1024] / max(rates.values())
         rows.append(("starts a second at 1024 starts, of the best batch", f"{share:.2f}", "0.9"))
+    rows += _in_turn(report.get("turns", ()))
     found = report["certificate"]
     for way in ("short", "long"):
         name = f"all {found['pairs']} pairs, the {way} way round ({found[f'{way}_reach']} reach)"
