@@ -11,6 +11,12 @@ filter allow.  Second derivatives are exact; where the reduced Hessian is not po
 curvature is shifted until it is.  Hard rows at the end enter with a large quadratic weight around
 their multipliers, which is a tiny regularisation of the dual system that the next step corrects.
 
+The end is a finish (`complementarity`): near enough to the solution, one step without a barrier
+tells which limits hold, and full Newton steps with those limits as equations end quadratically.  A
+limit is released where its multiplier turns negative and taken up where it is overstepped.  A
+finish that does not end in a few passes had the wrong limits; the start goes back to where it began
+and follows the barrier on.
+
 Sources: Waechter and Biegler (2006), "On the implementation of an interior-point filter line-search
 algorithm for large-scale nonlinear programming", for barrier, shift and fraction to the boundary;
 Vanroye, De Schutter and Decre (2023), "FATROP: a fast constrained optimal control problem solver
@@ -26,14 +32,16 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.interior_model import Bounded, Nodes, values
-from jaxatt.optimize.interior_pass import (
+from jaxatt.optimize.interior_pass import advanced
+from jaxatt.optimize.interior_residuals import unmet
+from jaxatt.optimize.interior_state import (
     RUNNING,
+    Finish,
     InteriorSettings,
     Limits,
+    Place,
     Point,
     State,
-    advanced,
-    unmet,
 )
 from jaxatt.optimize.status import Status
 from jaxatt.problems.staged import StagedProgram
@@ -87,13 +95,14 @@ def begin(
     missed = unmet(seen, start)
     infinite = jnp.asarray(jnp.inf, dtype)
     dual = jax.tree.map(lambda s: settings.barrier / s, limits.slacks(start))
+    place = Place(start._replace(dual=limits.only_there(dual)), seen.cost, missed)
+    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, bool), dual)
     return State(
-        start._replace(dual=limits.only_there(dual)),
+        place,
+        Finish(jnp.asarray(0), nothing, place, jnp.asarray(settings.finish_from, dtype)),
         jnp.asarray(settings.barrier, dtype),
         jnp.zeros((), dtype),
         10.0 * jnp.maximum(1.0, missed),
-        seen.cost,
-        missed,
         jnp.asarray(RUNNING),
         jnp.asarray(0),
         infinite,
@@ -118,7 +127,7 @@ def advance(
     passes : at most; without it as many as it takes.
     """
     most = settings.max_iterations if passes is None else passes
-    limits = Limits.of(program, state.point.nodes.u.shape[1], args)
+    limits = Limits.of(program, state.place.point.nodes.u.shape[1], args)
 
     def going(carry: tuple[State, Array]) -> Array:
         state, made = carry
@@ -137,16 +146,17 @@ def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
     unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
     stuck = (state.status == Status.INFEASIBLE) & feasible
     status = jnp.where(stuck, Status.FEASIBLE, state.status)
-    nodes = state.point.nodes
+    point = state.place.point
+    nodes = point.nodes
     return InteriorSolution(
         jnp.concatenate([nodes.x, nodes.end[None]]),
         nodes.u,
-        state.cost,
+        state.place.cost,
         jnp.where(status == RUNNING, unfinished, status),
         state.violation,
         state.stationarity,
-        state.point.rows,
-        state.point.dual,
+        point.rows,
+        point.dual,
         state.iterations,
     )
 

@@ -1,4 +1,4 @@
-"""The Newton step of a barrier problem over stages: one Riccati recursion and its prediction."""
+"""A Newton step over stages: one Riccati recursion and its prediction."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.optimize.complementarity import Pairs
 from jaxatt.optimize.interior_model import Bounded, Model
 from jaxatt.optimize.riccati import StageModel, backward_step, eliminated
 
@@ -50,27 +51,26 @@ def newton_step(
     model: Model,
     slack: Bounded,
     dual: Bounded,
-    barrier: Array,
+    pairs: Pairs,
     row_penalty: Array,
     free_start: int,
     shift: Array,
 ) -> Step:
-    """The step towards the minimum of the barrier problem.
+    """The step towards a point that is stationary and where every pair obeys its line.
 
-    slack : what is left to every limit, positive.  barrier : ().
-    row_penalty : (), of the hard rows, see `interior_point`.
+    slack : what is left to every limit.  row_penalty : (), of the hard rows, see `interior_point`.
     shift : (), added to all curvature.
     """
     count, n, width = model.dynamics.shape
     size = width - n
     dtype = model.gap.dtype
-    stiffness = jax.tree.map(lambda z, s: z / s, dual, slack)
+    stiffness, aim = pairs
     # Excess of the inequalities over their slacks; those of the controls' limits are exact.
     path_excess, final_excess = model.path - slack.path, model.final - slack.final
     diagonal = stiffness.lower + stiffness.upper
-    by_limits = barrier / slack.upper - barrier / slack.lower
-    at_path = dual.path - barrier / slack.path + stiffness.path * path_excess
-    at_end = dual.final - barrier / slack.final + stiffness.final * final_excess
+    by_limits = aim.upper - aim.lower
+    at_path = dual.path - aim.path + stiffness.path * path_excess
+    at_end = dual.final - aim.final + stiffness.final * final_excess
     gradient = jnp.concatenate([jnp.zeros((count, n), dtype), model.gradient[:, n:] + by_limits], 1)
     gradient = gradient + jnp.sum(model.path_slope * at_path[..., None], axis=1)
     hessian = model.hessian + _weighted(model.path_slope, stiffness.path)
@@ -119,8 +119,6 @@ def newton_step(
         u,
         -u,
     )
-    dual_step = jax.tree.map(
-        lambda z, s, q, ds: barrier / s - z - q * ds, dual, slack, stiffness, slack_step
-    )
+    dual_step = jax.tree.map(lambda a, z, q, ds: a - z - q * ds, aim, dual, stiffness, slack_step)
     rows = row_penalty * (model.rows + _times(model.rows_slope, end))
     return Step(x, end, u, rows, slack_step, dual_step, least > _LEAST_PIVOT)
