@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.attitude.vectors import matvec
 from jaxatt.control.departure import departure
 from jaxatt.control.proportional_derivative import proportional_derivative
 from jaxatt.environment.table import Environment
@@ -39,7 +40,7 @@ class PDLaw:
         """Wheel torques (n,) [N m] at one instant."""
         errors = departure(self.reference, self.reference_rate, state, environment)
         wanted = proportional_derivative(*errors, self.proportional, self.derivative)
-        torque = self.craft.inertia_without_spin @ wanted
-        wheel_torque = jnp.asarray(self.craft.wheels.allocation) @ torque
+        torque = matvec(self.craft.inertia_without_spin, wanted)
+        wheel_torque = matvec(self.craft.wheels.allocation, torque)
         limit = jnp.asarray(self.craft.wheels.torque_limit)
         return jnp.clip(wheel_torque, -limit, limit) if self.clipped else wheel_torque

@@ -82,7 +82,7 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
     """Scaled controls (S, N, b) that follow relative MRP (S, N + 2, 3), and rates (S, N + 1, 3)."""
     count = task.intervals
     slope = np.diff(nodes, axis=1) / step[:, None, None]
-    omega = np.linalg.solve(_kinematics(nodes[:, : count + 1]), slope[..., None])[..., 0]
+    omega = _rates(nodes[:, : count + 1], slope)
     omega[:, 0], omega[:, count] = task.departure.omega_ob, task.aim.omega_ob
     change = np.diff(omega, axis=1) / step[:, None, None]
     craft = task.craft
@@ -97,14 +97,12 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
     return np.asarray(needed @ np.linalg.pinv(a.to_external - a.to_body).T), np.asarray(omega)
 
 
-def _kinematics(sigma: Floats) -> Floats:
-    """G of eq. (5), with dsigma/dt = G omega, (..., 3, 3)."""
-    squared = (sigma**2).sum(axis=-1)[..., None, None]
-    outer = sigma[..., :, None] * sigma[..., None, :]
-    skew = np.cross(sigma[..., None, :], np.eye(3), axisa=-1, axisb=-1)
-    return np.asarray(
-        0.25 * ((1.0 - squared) * np.eye(3) + 2.0 * np.swapaxes(skew, -1, -2) + 2.0 * outer)
-    )
+def _rates(sigma: Floats, slope: Floats) -> Floats:
+    """omega (..., 3) of MRP and their slopes: eq. (5), whose G is 16 G G' = (1 + |sigma|^2)^2."""
+    squared = (sigma**2).sum(axis=-1, keepdims=True)
+    along = (sigma * slope).sum(axis=-1, keepdims=True) * sigma
+    turned = (1.0 - squared) * slope - 2.0 * np.cross(sigma, slope) + 2.0 * along
+    return np.asarray(4.0 / (1.0 + squared) ** 2 * turned)
 
 
 def _to_body(sigma: Floats, vector: Floats) -> Floats:

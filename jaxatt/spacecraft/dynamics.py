@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.attitude import quaternion
-from jaxatt.attitude.vectors import inverse
+from jaxatt.attitude.vectors import cross, inverse, matvec
 from jaxatt.environment.table import Environment
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
@@ -59,15 +59,15 @@ def derivative(
     inertia = jnp.asarray(craft.inertia)
     q = quaternion.normalize(state.q_ob)
     down = quaternion.rotate_inverse(q, jnp.asarray([0.0, 0.0, 1.0], q.dtype))
-    external = environment.gradient * jnp.cross(down, inertia @ down) + environment.disturbance
+    external = environment.gradient * cross(down, matvec(inertia, down)) + environment.disturbance
     if craft.thrusters.count:
-        external = external + craft.thrusters.distribution @ thrust
+        external = external + matvec(craft.thrusters.distribution, thrust)
     momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
-    total = external - wheels.axes @ wheel_torque - jnp.cross(state.omega_ib, momentum)
-    omega_rate = inverse(jnp.asarray(craft.inertia_without_spin)) @ total
+    total = external - matvec(wheels.axes, wheel_torque) - cross(state.omega_ib, momentum)
+    omega_rate = matvec(inverse(jnp.asarray(craft.inertia_without_spin)), total)
     unit = AttitudeState(q, state.omega_ib, state.omega_bw)
     return AttitudeState(
         quaternion.derivative(state.q_ob, relative_rate(unit, environment)),
         omega_rate,
-        wheel_torque / wheels.inertia - wheels.axes.T @ omega_rate,
+        wheel_torque / wheels.inertia - matvec(jnp.asarray(wheels.axes).T, omega_rate),
     )

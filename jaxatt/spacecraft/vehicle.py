@@ -9,6 +9,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxatt.attitude.vectors import matvec
 from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
 from jaxatt.spacecraft.magnetorquers import Magnetorquers
 from jaxatt.spacecraft.thrusters import Thrusters, missing_senses, no_thrusters
@@ -72,8 +73,7 @@ def total_momentum(spacecraft: Spacecraft, omega_ib: Any, omega_bw: Any) -> jax.
         In body axes; Schaanning (2021), eq. 4.8.
     """
     rate = jnp.asarray(omega_ib)
-    body = jnp.einsum("...ij,...j->...i", spacecraft.inertia, rate)
-    return body + momentum(spacecraft.wheels, omega_bw)
+    return matvec(spacecraft.inertia, rate) + momentum(spacecraft.wheels, omega_bw)
 
 
 def create(

@@ -10,6 +10,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from jaxatt.attitude.vectors import matvec
 from jaxatt.spacecraft.checks import FieldError, Float64, finite_array, positive_per_item
 
 Array = jax.Array | Float64
@@ -88,8 +89,7 @@ def momentum(wheels: ReactionWheels, omega_bw: Any) -> jax.Array:
     (..., 3) array [N m s]
         In body components; the wheel term of Schaanning (2021), eq. 4.8.
     """
-    speeds = jnp.asarray(omega_bw)
-    return jnp.einsum("...ij,...j,...j->...i", wheels.axes, wheels.inertia, speeds)
+    return matvec(wheels.axes, wheels.inertia * jnp.asarray(omega_bw))
 
 
 def storage_share(wheels: ReactionWheels, stored: Any) -> float:
