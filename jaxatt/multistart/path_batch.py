@@ -35,6 +35,8 @@ from jaxatt.simulation.chunks import Report, chunk_for
 
 _PASSES = 4
 """Of a chunk between two looks for starts that have ended."""
+_ROWS = 32
+"""At most in a chunk on a CPU: the last start that takes long keeps few idle ones busy."""
 
 
 class _Own(NamedTuple):
@@ -90,6 +92,11 @@ def _advance_chunk(
     return jax.vmap(one, in_axes=-1, out_axes=-1)(own, states)
 
 
+def _rows(count: int) -> int:
+    rows = chunk_for(count)
+    return min(rows, _ROWS) if jax.default_backend() == "cpu" else rows
+
+
 def solve_paths(
     task: ReorientationTask,
     paths: Paths,
@@ -104,7 +111,7 @@ def solve_paths(
     """
     settings = settings or InteriorSettings()
     arguments = arguments or task.parameters
-    rows = rows or chunk_for(len(paths.u))
+    rows = rows or _rows(len(paths.u))
     progress = None if report is None else lambda done: report("solving from all starts", done)
 
     def some_passes(

@@ -41,7 +41,8 @@ _MOST_TRIALS = 4
 _PROGRESS = 1e-4
 _NEGLIGIBLE = 1e-7
 _FIRST_SHIFT = 1e-4
-_GROWTH = 10.0
+_GROWTH = 4.0
+_SHRINK = 1.5
 _DUAL_RANGE = 1e10
 _STUCK = 1e8
 _TINY = 1e-300
@@ -139,11 +140,11 @@ def advanced(
 
     # A model that is not convex, or a step that leads nowhere, asks for more curvature.
     more = jnp.maximum(_FIRST_SHIFT, jnp.where(state.shift > 0.0, _GROWTH * state.shift, 0.0))
-    less = jnp.where(state.shift < 3.0 * _FIRST_SHIFT, 0.0, state.shift / 3.0)
+    less = jnp.where(state.shift < 3.0 * _FIRST_SHIFT, 0.0, state.shift / _SHRINK)
     shift = jnp.where(finishing, state.shift, jnp.where(accepted, less, more))
     stuck = jnp.where(shift > _STUCK, Status.INFEASIBLE, RUNNING)
     status = jnp.where(finite | finishing, stuck, Status.NOT_FINITE)
-    status = jnp.where(converged, Status.CONVERGED, status)
+    status = jnp.where(converged, Status.CONVERGED, status).astype(state.status.dtype)
     # The last pass only looks, so that what is said of the point returned is true of it.
     looking = state.iterations + 1 >= settings.max_iterations
     going = (status == RUNNING) & ~looking

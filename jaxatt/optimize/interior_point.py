@@ -99,12 +99,12 @@ def begin(
     nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, bool), dual)
     return State(
         place,
-        Finish(jnp.asarray(0), nothing, place, jnp.asarray(settings.finish_from, dtype)),
+        Finish(jnp.zeros((), int), nothing, place, jnp.asarray(settings.finish_from, dtype)),
         jnp.asarray(settings.barrier, dtype),
         jnp.zeros((), dtype),
         10.0 * jnp.maximum(1.0, missed),
-        jnp.asarray(RUNNING),
-        jnp.asarray(0),
+        jnp.full((), RUNNING, int),
+        jnp.zeros((), int),
         infinite,
         infinite,
     )

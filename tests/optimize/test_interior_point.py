@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.interior_point import InteriorSettings, solve_interior
+from jaxatt.optimize.interior_point import InteriorSettings, advance, begin, solve_interior
 from jaxatt.optimize.status import Status
 from jaxatt.problems.staged import StagedProgram, bending, slopes
 
@@ -42,10 +42,10 @@ def double_integrator(limited_rate=False, free_time=True):
 
 
 @functools.partial(jax.jit, static_argnames=("program",))
-def solved(program, u, args):
+def solved(program, u, args, finish_from=InteriorSettings.finish_from):
     def one(u, args):
         x = jnp.broadcast_to(program.start(args), (INTERVALS + 1, 3))
-        return solve_interior(program, u, x, args, InteriorSettings())
+        return solve_interior(program, u, x, args, InteriorSettings(finish_from=finish_from))
 
     return jax.vmap(one)(u, args)
 
@@ -178,3 +178,34 @@ def test_derivatives_of_a_stage_are_those_of_finite_differences():
             corners = [lagrangian(s * eye[i] + t * eye[j]) for s in (1, -1) for t in (1, -1)]
             other = (corners[0] - corners[1] - corners[2] + corners[3]) / 4e-8
             assert float(own[i, j]) == pytest.approx(float(other), abs=2e-6)
+
+
+def test_a_limit_without_force_does_not_slow_the_end():
+    """Pairs that are nearly zero on both sides only halve under a barrier; the finish ends them."""
+    rng = np.random.default_rng(11)
+    distance, force = rng.uniform(0.5, 5.0, 16), rng.uniform(0.2, 3.0, 16)
+    # The unlimited optimum falls linearly from 1 / sqrt(fuel): in the first interval to the limit.
+    fuel = ((1.0 - 1.0 / INTERVALS) / force) ** 2
+    args = tuple(map(jnp.asarray, (distance, force, np.full(16, np.inf), fuel, np.full(16, 0.1))))
+    program, u = double_integrator(), jnp.zeros((16, INTERVALS, 1))
+    fast, slow = solved(program, u, args), solved(program, u, args, finish_from=0.0)
+    for found in (fast, slow):
+        assert (found.status == Status.CONVERGED).all()
+    np.testing.assert_allclose(fast.objective, slow.objective, rtol=1e-7)
+    assert (fast.iterations <= slow.iterations).all()
+    assert fast.iterations.mean() < slow.iterations.mean() - 2.0
+    assert (np.abs(fast.u[..., 0]) <= force[:, None]).all()
+
+
+def test_passes_leave_a_state_of_the_same_types():
+    """A weak type among them would make every caller compile its passes twice."""
+    program, settings = double_integrator(), InteriorSettings()
+    args = (1.0, 1.0, np.inf, 0.0, 0.1)
+    x = jnp.zeros((INTERVALS + 1, 3))
+    start = jax.eval_shape(
+        lambda u: begin(program, u, x, args, settings), jnp.zeros((INTERVALS, 1))
+    )
+    later = jax.eval_shape(lambda state: advance(program, state, args, settings, 1), start)
+    for a, b in zip(jax.tree.leaves(start), jax.tree.leaves(later), strict=True):
+        assert (a.shape, a.dtype) == (b.shape, b.dtype)
+        assert not b.weak_type
