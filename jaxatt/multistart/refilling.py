@@ -1,15 +1,15 @@
 """Lanes that end make room for those that wait, so that the slowest does not rule a chunk.
 
-A chunk advances a few passes at a time.  Between two times the host takes out the lanes that have
+A chunk advances a few passes at a time.  Between two times its thread takes out the lanes that have
 ended and puts waiting ones in their places; one that takes long stays where it is, beside others.
 What a lane does depends on itself alone, so its result does not depend on its neighbours.
 """
 
 from __future__ import annotations
 
+import threading
 from collections import deque
 from collections.abc import Callable, Hashable
-from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any
 
 import jax
@@ -27,31 +27,74 @@ running : (rows,), those that have not ended.
 """
 
 
+class _Lanes:
+    """All lanes: those that wait, and the results of those that have ended.  Chunks share it."""
+
+    def __init__(self, lanes: Any, progress: Progress | None):
+        self.lanes = jax.tree.map(np.asarray, lanes)
+        self.count = len(jax.tree.leaves(self.lanes)[0])
+        self.waiting = deque(range(self.count))
+        self.progress = progress
+        self.results: Any = None
+        self.lock = threading.Lock()
+        if progress is not None:
+            progress(0)
+
+    def take(self, most: int) -> list[int]:
+        """Up to so many waiting lanes."""
+        with self.lock:
+            return [self.waiting.popleft() for _ in range(min(most, len(self.waiting)))]
+
+    def put(self, index: npt.NDArray[np.int64], results: Any) -> None:
+        """Results of lanes, rows first."""
+        with self.lock:
+            if self.results is None:
+                self.results = jax.tree.map(
+                    lambda leaf: np.empty((self.count, *leaf.shape[1:]), leaf.dtype), results
+                )
+            for into, leaf in zip(
+                jax.tree.leaves(self.results), jax.tree.leaves(results), strict=True
+            ):
+                into[index] = leaf
+            if self.progress is not None and len(index):
+                self.progress(len(index))
+
+
 class _Chunk:
     """Rows that advance together.
 
     index : (rows,), the lane in every row.  busy, fresh : (rows,).
     """
 
-    def __init__(self, empty: Any, rows: int):
-        self.states = empty
+    def __init__(self, advance: Advance, empty: Any, rows: int):
+        self.advance, self.states = advance, empty
         self.index = np.zeros(rows, int)
         self.busy = np.zeros(rows, bool)
         self.fresh = np.zeros(rows, bool)
 
-    def fill(self, waiting: deque[int]) -> bool:
-        """Put waiting lanes into free rows; False if there is nothing left to do."""
-        for row in np.flatnonzero(~self.busy)[: len(waiting)]:
-            self.index[row] = waiting.popleft()
-            self.busy[row] = self.fresh[row] = True
-        return bool(self.busy.any())
+    def step(self, lanes: _Lanes) -> bool:
+        """Fill free rows, make some passes and hand in what has ended; False if nothing is left."""
+        free = np.flatnonzero(~self.busy)
+        taken = lanes.take(len(free))
+        self.fresh[:] = False
+        self.fresh[free[: len(taken)]] = self.busy[free[: len(taken)]] = True
+        self.index[free[: len(taken)]] = taken
+        if not self.busy.any():
+            return False
+        some = jax.tree.map(lambda leaf: leaf[self.index], lanes.lanes)
+        self.states, results, running = self.advance(some, self.states, self.fresh)
+        ended = self.busy & ~np.asarray(running)
+        lanes.put(
+            self.index[ended],
+            jax.tree.map(lambda leaf: np.moveaxis(np.asarray(leaf)[..., ended], -1, 0), results),
+        )
+        self.busy &= ~ended
+        return True
 
-    def advanced(self, advance: Advance, lanes: Any) -> tuple[Any, npt.NDArray[np.bool_]]:
-        """Results (..., rows), and whether a row is still running, after some passes."""
-        some = jax.tree.map(lambda leaf: leaf[self.index], lanes)
-        self.states, results, running = advance(some, self.states, self.fresh)
-        self.fresh = np.zeros_like(self.fresh)
-        return jax.tree.map(np.asarray, results), np.asarray(running)
+    def run(self, lanes: _Lanes) -> None:
+        """Until no lane is left."""
+        while self.step(lanes):
+            pass
 
 
 def refilling(
@@ -65,45 +108,22 @@ def refilling(
     """Results of all lanes, a pytree with leading axis S, from `advance` until none is running.
 
     lanes : pytree with leading axis S.  empty : states of `rows` rows that are not running.
+    progress : called in turn by the threads that run the chunks.
     key : what `advance` compiles for; the first chunk of a new key runs alone, or every thread
     would compile it.
     """
-    lanes = jax.tree.map(np.asarray, lanes)
-    count = len(jax.tree.leaves(lanes)[0])
-    waiting = deque(range(count))
-    gathered: Any = None
-
-    def collect(chunk: _Chunk, found: tuple[Any, npt.NDArray[np.bool_]]) -> None:
-        nonlocal gathered
-        results, running = found
-        if gathered is None:
-            gathered = jax.tree.map(
-                lambda leaf: np.empty((count, *leaf.shape[:-1]), leaf.dtype), results
-            )
-        ended = chunk.busy & ~running
-        for into, leaf in zip(jax.tree.leaves(gathered), jax.tree.leaves(results), strict=True):
-            into[chunk.index[ended]] = np.moveaxis(leaf[..., ended], -1, 0)
-        chunk.busy &= running
-        if progress is not None and ended.any():
-            progress(int(ended.sum()))
-
-    if progress is not None:
-        progress(0)
-    chunks = [_Chunk(empty, rows) for _ in range(workers())]
+    shared = _Lanes(lanes, progress)
+    chunks = [_Chunk(advance, empty, rows) for _ in range(workers())]
     if first_time(key, rows):
-        chunks[0].fill(waiting)
-        collect(chunks[0], chunks[0].advanced(advance, lanes))
-    under_way: dict[Future[Any], _Chunk] = {}
-
-    def send(chunk: _Chunk) -> None:
-        if chunk.fill(waiting):
-            under_way[pool().submit(chunk.advanced, advance, lanes)] = chunk
-
-    for chunk in chunks:
-        send(chunk)
-    while under_way:
-        for done in wait(under_way, return_when=FIRST_COMPLETED).done:
-            chunk = under_way.pop(done)
-            collect(chunk, done.result())
-            send(chunk)
-    return gathered
+        chunks[0].step(shared)
+    # A chunk stays with its thread, this one included: to wake another for every few passes took
+    # a seventh of the time.
+    others = [pool().submit(chunk.run, shared) for chunk in chunks[1:]]
+    try:
+        chunks[0].run(shared)
+    except BaseException:
+        shared.waiting.clear()  # an interrupted search is not solved on behind the user's back
+        raise
+    for other in others:
+        other.result()
+    return shared.results
