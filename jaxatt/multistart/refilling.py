@@ -116,8 +116,7 @@ def refilling(
     chunks = [_Chunk(advance, empty, rows) for _ in range(workers())]
     if first_time(key, rows):
         chunks[0].step(shared)
-    # A chunk stays with its thread, this one included: to wake another for every few passes took
-    # a seventh of the time.
+    # A chunk stays with its thread, this one included: to wake one for every few passes takes time.
     others = [pool().submit(chunk.run, shared) for chunk in chunks[1:]]
     try:
         chunks[0].run(shared)
