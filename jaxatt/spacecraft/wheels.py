@@ -89,7 +89,7 @@ def momentum(wheels: ReactionWheels, omega_bw: Any) -> jax.Array:
     (..., 3) array [N m s]
         In body components; the wheel term of Schaanning (2021), eq. 4.8.
     """
-    return matvec(wheels.axes, wheels.inertia * jnp.asarray(omega_bw))
+    return matvec(wheels.axes * jnp.asarray(wheels.inertia)[..., None, :], omega_bw)
 
 
 def storage_share(wheels: ReactionWheels, stored: Any) -> float:
