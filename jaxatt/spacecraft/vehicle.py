@@ -72,8 +72,7 @@ def total_momentum(spacecraft: Spacecraft, omega_ib: Any, omega_bw: Any) -> jax.
     (..., 3) array [N m s]
         In body axes; Schaanning (2021), eq. 4.8.
     """
-    rate = jnp.asarray(omega_ib)
-    return matvec(spacecraft.inertia, rate) + momentum(spacecraft.wheels, omega_bw)
+    return matvec(spacecraft.inertia, omega_ib) + momentum(spacecraft.wheels, omega_bw)
 
 
 def create(
