@@ -54,7 +54,7 @@ def machine() -> dict[str, Any]:
         "device": jax.devices()[0].device_kind,
         "python": platform.python_version(),
         "jax": jax.__version__,
-        "jaxatt": jaxatt.solving.versions()["jaxatt"],
+        "jaxatt": jaxatt.pipeline.solve.versions()["jaxatt"],
     }
 
 

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from benchmarks.attempts import Attempt, Solve
 from benchmarks.casadi_compiled import compiled_solver
 from benchmarks.cases import task_of
-from jaxatt.problems.toy import ToyTask
+from jaxatt.problems.toy.task import ToyTask
 
 Floats = npt.NDArray[np.float64]
 

@@ -17,8 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from jaxatt.environment.table import EnvironmentTable
-from jaxatt.problems.slew_task import SlewTask
-from jaxatt.problems.task import Task
+from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.hands_off.task import Task
 from jaxatt.spacecraft.vehicle import total_momentum
 
 Floats = npt.NDArray[np.float64]

@@ -35,9 +35,9 @@ from benchmarks.attempts import Attempt, Solve
 from benchmarks.casadi_compiled import compiled_solver
 from benchmarks.cases import scenario_of
 from jaxatt.environment import kepler
-from jaxatt.pd_flight import fly_pd
-from jaxatt.problems.slew_task import SlewTask
-from jaxatt.scenarios.build import build_task, surroundings_of
+from jaxatt.problems.hands_off.build import build_task, surroundings_of
+from jaxatt.problems.hands_off.pd_flight import fly_pd
+from jaxatt.problems.hands_off.slew.task import SlewTask
 
 Floats = npt.NDArray[np.float64]
 

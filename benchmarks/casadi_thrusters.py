@@ -22,7 +22,7 @@ import numpy as np
 from benchmarks.attempts import Attempt, Floats, Solve
 from benchmarks.casadi_compiled import compiled_solver
 from benchmarks.cases import task_of
-from jaxatt.problems.slew_task import SlewTask
+from jaxatt.problems.hands_off.slew.task import SlewTask
 
 OPTIONS: dict[str, Any] = {
     "ipopt.tol": 1e-8,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt import scenarios
-from jaxatt.problems.task import Task
-from jaxatt.scenarios.build import build_task
-from jaxatt.scenarios.model import Scenario
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.scenario import Scenario
 
 HALF_TORQUE = "-half-torque"
 """Ending of a case's name: the same slew with every wheel's torque limit halved."""

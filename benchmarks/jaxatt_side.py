@@ -12,11 +12,11 @@ from benchmarks.cases import BEST_KNOWN, task_of
 from benchmarks.peak import fused_peak, operations
 from benchmarks.timing import timed
 from benchmarks.usefulness import reaching, useful
-from jaxatt.multistart.enumeration import classes_up_to, enumerate_class
-from jaxatt.multistart.polish import Method, decide, polish
-from jaxatt.multistart.starts import draw
-from jaxatt.problems.task import Task
-from jaxatt.simulation.chunks import chunk_for, cores, in_chunks
+from jaxatt.problems.hands_off.search.enumeration import classes_up_to, enumerate_class
+from jaxatt.problems.hands_off.search.polish import Method, decide, polish
+from jaxatt.problems.hands_off.search.starts import draw
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.chunks import chunk_for, cores, in_chunks
 
 
 @dataclass(frozen=True)

@@ -29,11 +29,11 @@ from benchmarks.casadi_reorientation import minima  # noqa: E402
 from benchmarks.ipopt_pool import flown_start, solve_together  # noqa: E402
 from benchmarks.reorientation_numbers import Turn, case  # noqa: E402
 from jaxatt import scenarios  # noqa: E402
-from jaxatt.clock import compile_seconds  # noqa: E402
-from jaxatt.multistart.free_time import FreeTimeFound, search_free_time  # noqa: E402
-from jaxatt.multistart.random_paths import random_paths  # noqa: E402
-from jaxatt.problems.reorientation_task import ReorientationTask  # noqa: E402
-from jaxatt.time_legs import build_time_task  # noqa: E402
+from jaxatt.problems.time_optimal.phase import build_time_task  # noqa: E402
+from jaxatt.problems.time_optimal.random_paths import random_paths  # noqa: E402
+from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time  # noqa: E402
+from jaxatt.problems.time_optimal.task import ReorientationTask  # noqa: E402
+from jaxatt.runtime.clock import compile_seconds  # noqa: E402
 
 
 def package_side(task: ReorientationTask, starts: int, seed: int) -> tuple[float, FreeTimeFound]:

@@ -20,12 +20,12 @@ import jax  # noqa: E402
 import jax.numpy as jnp  # noqa: E402
 
 from benchmarks.cases import task_of  # noqa: E402
-from jaxatt.multistart.batch import broadcast_lanes, sparsify_lanes  # noqa: E402
-from jaxatt.multistart.polish import Method, count_arguments  # noqa: E402
-from jaxatt.multistart.starts import draw  # noqa: E402
-from jaxatt.optimize.reweighting import Reweighting  # noqa: E402
-from jaxatt.problems.pulse_equations import pulse_equations  # noqa: E402
-from jaxatt.problems.slew import SlewForm, fly_nodes  # noqa: E402
+from jaxatt.optimize.reweighting.condensed import Reweighting  # noqa: E402
+from jaxatt.problems.hands_off.search.batch import broadcast_lanes, sparsify_lanes  # noqa: E402
+from jaxatt.problems.hands_off.search.polish import Method, count_arguments  # noqa: E402
+from jaxatt.problems.hands_off.search.starts import draw  # noqa: E402
+from jaxatt.problems.hands_off.slew.model import SlewForm, fly_nodes  # noqa: E402
+from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations  # noqa: E402
 
 
 def main() -> None:

@@ -23,7 +23,7 @@ from benchmarks.both_cores import run_together  # noqa: E402
 from benchmarks.cases import BEST_KNOWN, task_of  # noqa: E402
 from benchmarks.timing import timed  # noqa: E402
 from benchmarks.usefulness import useful  # noqa: E402
-from jaxatt.multistart.search import Found, search  # noqa: E402
+from jaxatt.problems.hands_off.search.search import Found, search  # noqa: E402
 
 
 def main() -> None:

@@ -1,15 +1,15 @@
 """Differentiable spacecraft attitude simulation and batched trajectory optimisation in JAX."""
 
 from jaxatt import scenarios
-from jaxatt.certificate import Certificate, certify
-from jaxatt.minimization import Minimum, minimize
+from jaxatt.pipeline.certify import Certificate, certify
+from jaxatt.pipeline.minimize import Minimum, minimize
+from jaxatt.pipeline.simulate import simulate
+from jaxatt.pipeline.solve import solve
 from jaxatt.report.archive import open_archive
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Leg, Result
-from jaxatt.runtime import configure
+from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
-from jaxatt.simulating import simulate
-from jaxatt.solving import solve
 from jaxatt.studies.comparison import compare
 from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight

@@ -41,9 +41,9 @@ from IPython.display import Markdown, display
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.pd_flight import fly_pd
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.pd_flight import fly_pd
 from jaxatt.report.wording import indices_text
-from jaxatt.scenarios.build import build_task
 from jaxatt.studies.comparison import compare
 
 jax.config.update("jax_enable_x64", True)

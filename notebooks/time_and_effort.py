@@ -32,10 +32,10 @@ from IPython.display import Markdown, display
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.attitude import mrp
-from jaxatt.multistart.random_paths import random_paths
+from jaxatt.problems.time_optimal.phase import build_time_task
+from jaxatt.problems.time_optimal.random_paths import random_paths
 from jaxatt.report.figure import colour, picture, tidy
 from jaxatt.studies.time_comparison import compare_times
-from jaxatt.time_legs import build_time_task
 
 jax.config.update("jax_enable_x64", True)
 

@@ -9,7 +9,7 @@ import handmade_results
 import pytest
 from typer.testing import CliRunner
 
-import jaxatt.solving
+import jaxatt.pipeline.solve
 from jaxatt import scenarios
 from jaxatt.cli import app
 from jaxatt.report.archive import open_archive
@@ -94,7 +94,7 @@ def answer(make, result: Result):
         report("polishing", 4)
         return result
 
-    make.setattr(jaxatt.solving, "solve", solve)
+    make.setattr(jaxatt.pipeline.solve, "solve", solve)
 
 
 def test_progress_is_told_in_lines_where_there_is_no_terminal(here, monkeypatch):
@@ -135,7 +135,7 @@ def test_an_interruption_ends_with_130_and_leaves_nothing(here, monkeypatch):
     def solve(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(jaxatt.solving, "solve", solve)
+    monkeypatch.setattr(jaxatt.pipeline.solve, "solve", solve)
     found = run("solve", "hypso1-90-45-15")
     assert found.exit_code == 130
     assert "Interrupted" in found.output

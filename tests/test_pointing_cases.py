@@ -8,8 +8,8 @@ from references import reflight, wheeled_body
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.problems.slew_task import SlewTask
-from jaxatt.scenarios.build import build_task
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.studies.baseline import fly_pd_legs
 
 PIECES = 12

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.cli import app
-from jaxatt.problems.slew_task import SlewTask
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.report.result import Result
-from jaxatt.scenarios.build import build_task
 
 
 @pytest.fixture(scope="module")

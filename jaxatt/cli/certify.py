@@ -36,9 +36,9 @@ def certify(
     with clean_exit():
         scenario, folder = prepared(case, changes, out)
         prepare_jax(compile_cache)
-        from jaxatt.certificate import MOST_SUPPORTS
-        from jaxatt.certificate import certify as run
-        from jaxatt.progress import Reporter
+        from jaxatt.pipeline.certify import MOST_SUPPORTS
+        from jaxatt.pipeline.certify import certify as run
+        from jaxatt.runtime.progress import Reporter
 
         with Reporter(scenario.solver.starts, quiet) as report:
             certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)

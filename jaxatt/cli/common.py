@@ -20,7 +20,7 @@ BAD_INPUT, NOT_REACHED, INTERRUPTED = 2, 3, 130
 
 def prepare_jax(cache: Path | None = None) -> None:
     """Set JAX up for this process; before anything is computed."""
-    from jaxatt.runtime import configure
+    from jaxatt.runtime.settings import configure
 
     configure(cache=cache)
 

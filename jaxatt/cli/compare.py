@@ -37,7 +37,7 @@ def compare(
             return
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
         prepare_jax(compile_cache)
-        from jaxatt.progress import Reporter
+        from jaxatt.runtime.progress import Reporter
         from jaxatt.studies.comparison import compare as run
 
         with Reporter(scenario.solver.starts, quiet) as report:
@@ -71,7 +71,7 @@ def _compare_flight(
     from jaxatt.report.files import prepare_folder
 
     prepare_jax(cache)
-    from jaxatt.progress import Reporter
+    from jaxatt.runtime.progress import Reporter
     from jaxatt.scenarios import load_flight
     from jaxatt.studies.flight_comparison import compare_flight
 

@@ -38,9 +38,9 @@ def simulate(
         prepare_jax(compile_cache)
         flight = load_flight(case)
         folder = prepare_folder(out or Path("results") / flight.name)
-        from jaxatt.progress import Reporter
+        from jaxatt.pipeline.simulate import simulate as run
         from jaxatt.report.flight_table import flight_table
-        from jaxatt.simulating import simulate as run
+        from jaxatt.runtime.progress import Reporter
 
         with Reporter(runs or 1, quiet) as report:
             result = run(flight, law, runs=runs, seed=seed, report=report)

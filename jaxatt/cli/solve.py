@@ -43,9 +43,9 @@ def solve(
     with clean_exit():
         scenario, folder = prepared(case, changes, out)
         prepare_jax(compile_cache)
-        from jaxatt.progress import Reporter
+        from jaxatt.pipeline.solve import solve as find
         from jaxatt.report.tables import resting_sentence, result_table
-        from jaxatt.solving import solve as find
+        from jaxatt.runtime.progress import Reporter
 
         with Reporter(scenario.solver.starts, quiet) as report:
             result = find(scenario, report=report)

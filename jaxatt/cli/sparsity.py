@@ -30,8 +30,8 @@ def sparsity(
         if not all(count >= 2 and count == int(count) for count in counts):
             raise typer.BadParameter(f"{intervals}: give whole numbers of at least 2")
         prepare_jax(compile_cache)
-        from jaxatt.progress import Reporter
         from jaxatt.report.tables import sparsity_table
+        from jaxatt.runtime.progress import Reporter
         from jaxatt.studies.relative_sparsity import relative_sparsity
 
         with Reporter(starts, quiet) as report:

@@ -34,7 +34,7 @@ def sweep(
         loaded = [load(case) for case in cases]
         folder = prepare_folder(out or Path("results") / "-".join(case.name for case in loaded))
         prepare_jax(compile_cache)
-        from jaxatt.progress import Reporter
+        from jaxatt.runtime.progress import Reporter
         from jaxatt.studies.effort_sweep import WEIGHTS, sweep_effort
 
         with Reporter(starts or loaded[0].solver.starts, quiet) as report:

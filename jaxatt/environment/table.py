@@ -15,7 +15,7 @@ from jax import Array
 
 from jaxatt.environment import frames, kepler, orbit
 from jaxatt.environment.sinusoidal import sinusoidal_torque
-from jaxatt.runtime import RUNS_ONCE
+from jaxatt.runtime.settings import RUNS_ONCE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
 

@@ -16,7 +16,7 @@ import jax
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.simulation.chunks import Progress, first_time, pool, workers
+from jaxatt.runtime.chunks import Progress, first_time, pool, workers
 
 Advance = Callable[[Any, Any, npt.NDArray[np.bool_]], tuple[Any, Any, Any]]
 """(lanes, states, fresh) -> (states, results, running).

@@ -10,8 +10,8 @@ import jax
 import numpy as np
 
 from jaxatt.optimize.status import Status
-from jaxatt.problems.task import Floats
-from jaxatt.simulation.chunks import Progress, in_chunks
+from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.chunks import Progress, in_chunks
 
 EARLY_ITERATIONS = 16
 """Most lanes of a polish have ended by then."""

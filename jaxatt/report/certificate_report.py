@@ -17,7 +17,7 @@ from jaxatt.report.wording import indices_text, plural, short
 if TYPE_CHECKING:
     import xarray
 
-    from jaxatt.certificate import Certificate, ClassRecord, LegCertificate
+    from jaxatt.pipeline.certify import Certificate, ClassRecord, LegCertificate
 
 _LARGE = 1e15
 

@@ -16,7 +16,7 @@ from jaxatt.report.figure import CHEAP, COAST, FORBIDDEN, colour, tidy
 from jaxatt.report.limits import body_torque_limit
 from jaxatt.report.result import Flags, Floats, Result
 from jaxatt.report.timeline import Timeline, timeline
-from jaxatt.runtime import RUNS_ONCE
+from jaxatt.runtime.settings import RUNS_ONCE
 
 ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
 AXES = ("x", "y", "z")

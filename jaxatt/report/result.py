@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.problems.pointing_watch import Extreme
+from jaxatt.problems.pointing.watch import Extreme
+from jaxatt.problems.scenario import Scenario
 from jaxatt.report.time_optimum import TimeOptimum, control_effort
 from jaxatt.report.wording import indices_text, plural
-from jaxatt.scenarios.model import Scenario
 
 if TYPE_CHECKING:
     import xarray
@@ -101,7 +101,7 @@ class FinalTimes:
 
     time_weight : [1/s], cost of a second in active intervals.  cost : of the answer, with its time.
     final_time : (K,) [s].  costs : (K,), infinite where nothing reached.  active_intervals,
-    reached : (K,), of the best answer there.  how : K words, see `jaxatt.multistart.time_cost`.
+    reached : (K,), of the best answer there.  how : K words, see `jaxatt.problems.hands_off.search.time_cost`.
     """
 
     time_weight: float

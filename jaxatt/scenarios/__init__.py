@@ -1,13 +1,6 @@
 """Scenarios: one TOML file for each published case, and the loader that checks them."""
 
-from jaxatt.scenarios.attitudes import quaternion_from_angles
-from jaxatt.scenarios.bundled import kind_of, names, text, titles
-from jaxatt.scenarios.catalog import load, load_flight
-from jaxatt.scenarios.fields import ScenarioError
-from jaxatt.scenarios.flight_loader import flight_from_mapping, replace_in_flight
-from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.scenarios.loader import from_mapping, load_file, replace
-from jaxatt.scenarios.model import (
+from jaxatt.problems.scenario import (
     SPACECRAFT,
     TOY_SYSTEMS,
     Control,
@@ -23,6 +16,13 @@ from jaxatt.scenarios.model import (
     Waypoint,
     Window,
 )
+from jaxatt.scenarios.attitudes import quaternion_from_angles
+from jaxatt.scenarios.bundled import kind_of, names, text, titles
+from jaxatt.scenarios.catalog import load, load_flight
+from jaxatt.scenarios.fields import ScenarioError
+from jaxatt.scenarios.flight_loader import flight_from_mapping, replace_in_flight
+from jaxatt.scenarios.flight_model import FlightScenario
+from jaxatt.scenarios.loader import from_mapping, load_file, replace
 from jaxatt.scenarios.vehicles import load_vehicle, vehicle_names
 from jaxatt.scenarios.windows import forbidden_mask, window_mask, window_weights
 

@@ -11,7 +11,7 @@ from typing import Any
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import ExternalTorques
-from jaxatt.scenarios.model import Initial, Orbit
+from jaxatt.problems.scenario import Initial, Orbit
 from jaxatt.simulation.campaign import Spread
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64

@@ -16,11 +16,11 @@ from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
+from jaxatt.problems.scenario import Initial, Orbit
 from jaxatt.scenarios.attitudes import attitude_given, read_attitude
 from jaxatt.scenarios.fields import Table
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
-from jaxatt.scenarios.model import Initial, Orbit
 from jaxatt.simulation.campaign import Spread
 from jaxatt.spacecraft import Spacecraft
 

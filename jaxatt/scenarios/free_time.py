@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
+from jaxatt.problems.scenario import SPARSE_KINDS, Horizon, Objective
 from jaxatt.scenarios.fields import Table
-from jaxatt.scenarios.model import SPARSE_KINDS, Horizon, Objective
 
 
 def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, float]:

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from jaxatt.problems.scenario import Horizon, Initial, Target, Waypoint
 from jaxatt.scenarios.attitudes import read_attitude
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import refuse_seconds
-from jaxatt.scenarios.model import Horizon, Initial, Target, Waypoint
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
 from jaxatt.scenarios.windows import nearest_whole
 from jaxatt.spacecraft import Spacecraft

@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.attitude import quaternion
-from jaxatt.problems.pointing import cone_angles
-from jaxatt.problems.pointing_case import Cone, Pointing
+from jaxatt.problems.pointing.case import Cone, Pointing
+from jaxatt.problems.pointing.cones import cone_angles
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64

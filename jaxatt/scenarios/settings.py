@@ -7,9 +7,7 @@ from typing import Any
 
 from jaxatt.environment import epoch
 from jaxatt.environment.sun import FIRST_YEAR, LAST_YEAR
-from jaxatt.scenarios.fields import Table
-from jaxatt.scenarios.free_time import read_final_time
-from jaxatt.scenarios.model import (
+from jaxatt.problems.scenario import (
     SPARSE_KINDS,
     TIME_KINDS,
     Control,
@@ -19,6 +17,8 @@ from jaxatt.scenarios.model import (
     Orbit,
     SolverSettings,
 )
+from jaxatt.scenarios.fields import Table
+from jaxatt.scenarios.free_time import read_final_time
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
 from jaxatt.scenarios.time_optimal import read_effort_weight, read_open_horizon
 from jaxatt.spacecraft import Spacecraft

@@ -8,9 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.free_time import read_final_time
-from jaxatt.scenarios.model import (
+from jaxatt.problems.scenario import (
     TIME_KINDS,
     Control,
     Horizon,
@@ -19,6 +17,8 @@ from jaxatt.scenarios.model import (
     Target,
     Transcription,
 )
+from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.scenarios.free_time import read_final_time
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from jaxatt.problems.scenario import Horizon, Scenario, Window
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import refuse_seconds
-from jaxatt.scenarios.model import Horizon, Scenario, Window
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
 

@@ -14,7 +14,7 @@ from jax import Array
 from jaxatt.attitude import quaternion
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.gains import check_gains
-from jaxatt.simulation.chunks import Progress, chunk_for, in_chunks, workers
+from jaxatt.runtime.chunks import Progress, chunk_for, in_chunks, workers
 from jaxatt.simulation.closed_loop import Flight, Flown, fly
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.wheels import ReactionWheels

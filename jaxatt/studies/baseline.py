@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
-from jaxatt.pd_flight import flown_controls, fly_pd
-from jaxatt.problems.slew_case import Departure
-from jaxatt.problems.slew_task import SlewTask
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
+from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.manoeuvre import Departure
+from jaxatt.problems.scenario import Scenario
 from jaxatt.report.result import Flags
-from jaxatt.scenarios.build import build_task
-from jaxatt.scenarios.model import Scenario
 
 
 @dataclass(frozen=True, eq=False)

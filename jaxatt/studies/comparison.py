@@ -12,6 +12,8 @@ import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
+from jaxatt.pipeline.solve import solve
+from jaxatt.problems.scenario import TIME_KINDS
 from jaxatt.report import plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
@@ -22,9 +24,7 @@ from jaxatt.report.result import Result, Valves
 from jaxatt.report.summary import summary, write_json
 from jaxatt.report.tables import comparison_table
 from jaxatt.report.wording import OBJECTIVES
-from jaxatt.scenarios.model import TIME_KINDS
-from jaxatt.simulation.chunks import Report
-from jaxatt.solving import solve
+from jaxatt.runtime.chunks import Report
 from jaxatt.studies.baseline import FlownPD, fly_pd_legs
 from jaxatt.studies.relative_sparsity import attainable
 from jaxatt.studies.time_comparison import TimeComparison, compare_times

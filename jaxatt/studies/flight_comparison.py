@@ -12,6 +12,7 @@ import numpy as np
 
 from jaxatt.control.eigenaxis import Eigenaxis
 from jaxatt.control.latched_min_norm import LatchedMinNorm
+from jaxatt.pipeline.simulate import plan_of, simulate
 from jaxatt.report import flight_plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
@@ -20,10 +21,9 @@ from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.flight_table import comparison_table
 from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.summary import write_json
+from jaxatt.runtime.chunks import Report
 from jaxatt.scenarios import load_flight
 from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.simulating import plan_of, simulate
-from jaxatt.simulation.chunks import Report
 
 REPRODUCED = 0.05
 """Relative difference up to which a printed value counts as reproduced."""

@@ -16,18 +16,18 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.attitude import errors
-from jaxatt.multistart.bursts import nearest_bursts, try_bursts
-from jaxatt.multistart.candidates import join
-from jaxatt.multistart.limited_search import search_within_limits
-from jaxatt.multistart.polish import Method
-from jaxatt.problems.slew_task import SlewTask
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bursts, try_bursts
+from jaxatt.problems.hands_off.search.candidates import join
+from jaxatt.problems.hands_off.search.limited_search import search_within_limits
+from jaxatt.problems.hands_off.search.polish import Method
+from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.scenario import TIME_KINDS
 from jaxatt.report.figure import Picture, picture, save, tidy
 from jaxatt.report.files import filling
 from jaxatt.report.summary import write_json
 from jaxatt.report.wording import plural
-from jaxatt.scenarios.build import build_task
-from jaxatt.scenarios.model import TIME_KINDS
-from jaxatt.simulation.chunks import Report
+from jaxatt.runtime.chunks import Report
 from jaxatt.studies.impulse_balance import (
     eigenaxis_on_time,
     least_intervals,

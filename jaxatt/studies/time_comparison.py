@@ -13,6 +13,7 @@ from rich.console import Group
 from rich.text import Text
 
 from jaxatt import scenarios
+from jaxatt.pipeline.solve import solve
 from jaxatt.report import plots
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
@@ -22,8 +23,7 @@ from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.result import Result
 from jaxatt.report.summary import summary, write_json
 from jaxatt.report.time_table import time_table
-from jaxatt.simulation.chunks import Report
-from jaxatt.solving import solve
+from jaxatt.runtime.chunks import Report
 from jaxatt.studies.eigenaxis_time import eigenaxis_time, has_no_gyroscopic_torque
 
 _EULER_TOLERANCE_DEG = 2.0

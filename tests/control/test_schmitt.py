@@ -7,9 +7,9 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.control.schmitt import SchmittLaw
-from jaxatt.pd_flight import flown_controls, fly_pd
-from jaxatt.problems.slew_task import SlewTask
-from jaxatt.scenarios.build import build_task
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
+from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.spacecraft.dynamics import AttitudeState
 
 

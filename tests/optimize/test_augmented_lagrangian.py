@@ -10,10 +10,10 @@ import pytest
 import scipy.optimize
 from jax import Array
 
-from jaxatt.optimize.augmented_lagrangian import Schedule, solve
-from jaxatt.optimize.inner import NAMES, inner_minimiser
+from jaxatt.optimize.augmented_lagrangian.inner import NAMES, inner_minimiser
+from jaxatt.optimize.augmented_lagrangian.solver import Schedule, solve
+from jaxatt.optimize.program import Program
 from jaxatt.optimize.status import Status
-from jaxatt.problems.program import Program
 
 STAGES, SIZE, LANES = 6, 2, 32
 COMMON = {"penalty": 10.0, "stage_penalty": 10.0, "tolerance": 1e-7, "stationarity": 1e-7}

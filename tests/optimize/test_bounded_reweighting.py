@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from jaxatt.optimize.bounded_reweighting import BoundedReweighting, bounded_step, sparsify_bounded
+from jaxatt.optimize.reweighting.bounded import BoundedReweighting, bounded_step, sparsify_bounded
 
 
 @pytest.mark.parametrize("seed", range(6))

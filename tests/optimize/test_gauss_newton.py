@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxatt.optimize.gauss_newton import LocalModel, gauss_newton
+from jaxatt.optimize.augmented_lagrangian.gauss_newton import LocalModel, gauss_newton
 
 
 def problem(rng, stages, size, rows, held):

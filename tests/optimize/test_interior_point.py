@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.interior_point import InteriorSettings, advance, begin, solve_interior
+from jaxatt.optimize.interior_point.solver import InteriorSettings, advance, begin, solve_interior
+from jaxatt.optimize.optimal_control import StagedProgram, bending, slopes
 from jaxatt.optimize.status import Status
-from jaxatt.problems.staged import StagedProgram, bending, slopes
 
 INTERVALS = 20
 

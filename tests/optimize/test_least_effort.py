@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.augmented_lagrangian import Schedule
-from jaxatt.optimize.least_effort import least_effort
+from jaxatt.optimize.augmented_lagrangian.solver import Schedule
+from jaxatt.optimize.least_effort.primal_dual import least_effort
 from jaxatt.optimize.status import Status
 
 ROWS, STAGES, SIZE = 4, 6, 2

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.reweighting import Reweighting, sparsify
-from jaxatt.problems.equations import from_response
+from jaxatt.optimize.reweighting.condensed import Reweighting, sparsify
+from jaxatt.optimize.reweighting.equations import from_response
 
 ROWS, STAGES, SIZE, STARTS = 4, 12, 2, 48
 SETTLED = Reweighting(deciding=0, settling=60, settled_smoothing=1e-6)

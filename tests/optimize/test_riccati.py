@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from jaxatt.optimize.riccati import (
+from jaxatt.optimize.optimal_control import StagedProgram, fly, least_squares
+from jaxatt.optimize.riccati.recursion import (
     StageModel,
     Trajectory,
     backward_step,
     derivatives_along,
     fly_with_feedback,
 )
-from jaxatt.problems.slew_stages import difference, retract
-from jaxatt.problems.staged import StagedProgram, fly, least_squares
+from jaxatt.problems.hands_off.slew.stages import difference, retract
 
 
 def system(rng, n, b):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.augmented_lagrangian import Schedule
-from jaxatt.optimize.staged_lagrangian import solve_stages
+from jaxatt.optimize.augmented_lagrangian.solver import Schedule
+from jaxatt.optimize.optimal_control import StagedProgram, fly, least_squares
+from jaxatt.optimize.riccati.lagrangian import solve_stages
 from jaxatt.optimize.status import Status
-from jaxatt.problems.staged import StagedProgram, fly, least_squares
 
 SCHEDULE = Schedule(
     penalty=10.0,

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from jaxatt.optimize.support import neighbours
+from jaxatt.optimize.reweighting.support import neighbours
 
 
 def brute_force(support, allowed, far):

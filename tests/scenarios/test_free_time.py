@@ -6,8 +6,8 @@ import tomllib
 import pytest
 
 from jaxatt import scenarios
+from jaxatt.pipeline.simulate import plan_of
 from jaxatt.scenarios import ScenarioError
-from jaxatt.simulating import plan_of
 
 DOCUMENT = tomllib.loads(scenarios.text("hypso1-90-0-0"))
 FREE = {"intervals": 50, "final_time": "free", "longest_s": 90.0}

@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from jaxatt import scenarios
 from jaxatt.environment.sun import sun_direction
+from jaxatt.problems.hands_off.build import build_task
 from jaxatt.scenarios import ScenarioError
-from jaxatt.scenarios.build import build_task
 
 NAME = "hypso1-90-45-15-keep-out"
 CONE = {"name": "camera", "boresight": [0.0, 0.0, 2.0], "half_angle_deg": 20.0}

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
+from jaxatt.optimize.augmented_lagrangian.inner import DENSE_NAMES
 from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.residuals import Box
 from jaxatt.optimize.dense.state import Limits
-from jaxatt.optimize.inner import DENSE_NAMES
 
 Floats = npt.NDArray[np.float64]
 

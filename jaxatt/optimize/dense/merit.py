@@ -7,8 +7,8 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize.augmented_lagrangian.penalty import pushed
 from jaxatt.optimize.dense.functions import Local
-from jaxatt.optimize.penalty import pushed
 
 
 class Merit(NamedTuple):

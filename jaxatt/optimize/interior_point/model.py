@@ -1,0 +1,171 @@
+"""What an interior-point step needs to know of a staged programme: its derivatives at a point.
+
+The costates of the dynamics are those of the current multipliers, by the adjoint recursion: the
+gradient of the Lagrangian by the states vanishes, and what is left by the controls and by the free
+coordinates of the first state is how far the point is from being stationary.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from jaxatt.optimize.optimal_control import StagedProgram, bending, slopes
+
+
+class Nodes(NamedTuple):
+    """x : (N, s), states at nodes 0 to N - 1.  end : (s,), state at node N.  u : (N, b)."""
+
+    x: Array
+    end: Array
+    u: Array
+
+    @property
+    def following(self) -> Array:
+        """States at nodes 1 to N, (N, s)."""
+        return jnp.concatenate([self.x[1:], self.end[None]])
+
+
+class Bounded(NamedTuple):
+    """One array for every kind of inequality: what is left to a limit, a multiplier, a step.
+
+    path : (N, p).  final : (t,).  lower, upper : (N, b), of the controls.
+    """
+
+    path: Array
+    final: Array
+    lower: Array
+    upper: Array
+
+
+class Model(NamedTuple):
+    """A programme to second order around nodes and multipliers; z is error state, then controls.
+
+    gap : (N, n), of the dynamics.  dynamics : (N, n, z).
+    gradient : (N, z) and hessian : (N, z, z), of the Lagrangian without the controls' limits.
+    path : (N, p) and path_slope : (N, p, z).
+    rows : (r,), final_slope : (r, n).  final : (t,), final_path_slope : (t, n).
+    final_hessian : (n, n).  costate : (n,), at the first node.
+    """
+
+    gap: Array
+    dynamics: Array
+    gradient: Array
+    hessian: Array
+    path: Array
+    path_slope: Array
+    rows: Array
+    rows_slope: Array
+    final: Array
+    final_slope: Array
+    final_hessian: Array
+    costate: Array
+
+
+def limits_along(program: StagedProgram, size: int, args: Any) -> tuple[Array, Array]:
+    """Lower and upper limits of the controls, (N, b)."""
+
+    def at(stage: Any) -> tuple[Array, Array]:
+        lower, upper = program.limits(stage, args)
+        return jnp.broadcast_to(lower, (size,)), jnp.broadcast_to(upper, (size,))
+
+    return jax.vmap(at)(program.stages(args))
+
+
+def model(
+    program: StagedProgram, nodes: Nodes, rows: Array, path: Array, final: Array, args: Any
+) -> Model:
+    """Derivatives of all stages.
+
+    rows : (r,), path : (N, p), final : (t,), multipliers of the hard rows and the inequalities.
+    """
+    n, size = program.error_size, nodes.u.shape[1]
+    dtype = nodes.u.dtype
+    rest = jnp.zeros(n, dtype)
+
+    def ended(error: Array) -> tuple[Array, Array]:
+        x = program.retract(nodes.end, error)
+        return program.final_rows(x, args), program.final_inequality(x, args)
+
+    def last(error: Array) -> Array:
+        hard, soft = ended(error)
+        return jnp.sum(rows * hard) - jnp.sum(final * soft)
+
+    values, slopes_at_end = ended(rest), jax.jacfwd(ended)(rest)
+
+    at = jnp.zeros(n + size, dtype)
+
+    def inequality(z: Array, x: Array, u: Array, stage: Any) -> Array:
+        return program.inequality(program.retract(x, z[:n]), u + z[n:], stage, args)
+
+    def first(x: Array, x_next: Array, u: Array, dual: Array, stage: Any) -> Any:
+        found = slopes(program, x, u, x_next, stage, args)
+        margins, slope = inequality(at, x, u, stage), jnp.zeros((0, n + size), dtype)
+        by_cost = found.cost
+        if margins.shape[0]:
+            slope = jax.jacfwd(inequality)(at, x, u, stage)
+            by_cost = by_cost - jnp.sum(dual[:, None] * slope, axis=0)
+        return found.gap, found.dynamics, by_cost, margins, slope
+
+    def backwards(costate: Array, inputs: tuple[Array, Array]) -> tuple[Array, Any]:
+        dynamics, by_cost = inputs
+        gradient = by_cost + jnp.sum(dynamics * costate[:, None], axis=0)
+        return gradient[:n], (gradient, costate)
+
+    def second(x: Array, x_next: Array, u: Array, dual: Array, costate: Array, stage: Any) -> Array:
+        hessian = bending(program, x, u, x_next, stage, args, costate)
+        if dual.shape[0]:
+            hessian = hessian - jax.hessian(lambda z: jnp.sum(dual * inequality(z, x, u, stage)))(
+                at
+            )
+        return hessian
+
+    # The recursion of the costates alone is a loop: inside it XLA would compute the rest again for
+    # every use, and all stages at once are fewer and larger operations.
+    stages, following = program.stages(args), nodes.following
+    inputs = (nodes.x, following, nodes.u, path)
+    gap, dynamics, by_cost, margins, slope = jax.vmap(first)(*inputs, stages)
+    costate, (gradient, costates) = lax.scan(
+        backwards, jax.grad(last)(rest), (dynamics, by_cost), reverse=True
+    )
+    hessian = jax.vmap(second)(*inputs, costates, stages)
+    return Model(
+        gap,
+        dynamics,
+        gradient,
+        hessian,
+        margins,
+        slope,
+        values[0],
+        slopes_at_end[0],
+        values[1],
+        slopes_at_end[1],
+        jax.hessian(last)(rest),
+        costate,
+    )
+
+
+class Values(NamedTuple):
+    """cost : ().  path : (N, p).  final : (t,).  unmet : () sum of the sizes of gaps and rows."""
+
+    cost: Array
+    path: Array
+    final: Array
+    unmet: Array
+
+
+def values(program: StagedProgram, nodes: Nodes, args: Any) -> Values:
+    """What a line search looks at, without derivatives."""
+
+    def at(x: Array, x_next: Array, u: Array, stage: Any) -> tuple[Array, Array, Array]:
+        gap = program.difference(program.dynamics(x, u, stage, args), x_next)
+        cost = program.cost(x, u, stage, args, jnp.zeros((), x.dtype))
+        return cost, jnp.sum(jnp.abs(gap)), program.inequality(x, u, stage, args)
+
+    cost, gaps, path = jax.vmap(at)(nodes.x, nodes.following, nodes.u, program.stages(args))
+    rows = program.final_rows(nodes.end, args)
+    unmet = jnp.sum(gaps) + jnp.sum(jnp.abs(rows))
+    return Values(jnp.sum(cost), path, program.final_inequality(nodes.end, args), unmet)

@@ -1,0 +1,234 @@
+"""One pass of the interior-point method: a Newton step, its length, and what follows from it.
+
+See `interior_point` for the problem and the sources.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from jaxatt.optimize.interior_point.crossover import (
+    Pairs,
+    active_after,
+    active_along,
+    active_pairs,
+    barrier_pairs,
+)
+from jaxatt.optimize.interior_point.model import Bounded, Nodes, model, values
+from jaxatt.optimize.interior_point.residuals import Residuals, residuals, unmet
+from jaxatt.optimize.interior_point.state import (
+    RUNNING,
+    Finish,
+    InteriorSettings,
+    Limits,
+    Place,
+    Point,
+    State,
+)
+from jaxatt.optimize.interior_point.step import Step, newton_step
+from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.status import Status
+
+_SOLVED_TO = 10.0
+"""A barrier problem counts as solved at this many times its barrier."""
+_TO_BOUNDARY = 0.99
+_SHORTER = 0.3
+_MOST_TRIALS = 4
+_PROGRESS = 1e-4
+_NEGLIGIBLE = 1e-7
+_FIRST_SHIFT = 1e-4
+_GROWTH = 4.0
+_SHRINK = 1.5
+_DUAL_RANGE = 1e10
+_STUCK = 1e8
+_TINY = 1e-300
+_NEAR = 0.03
+"""Error of a barrier problem from which the finish is tried."""
+_FINISH = 8
+"""Passes of a finish; one that takes longer has the wrong limits and comes to nothing."""
+
+
+class _Search(NamedTuple):
+    """A step's length and how it was found.
+
+    trials : () made.  place : where the step ends, with the multipliers of before.
+    """
+
+    trials: Array
+    length: Array
+    place: Place
+    accepted: Array
+
+
+def _where(which: Array, new: Any, old: Any) -> Any:
+    return jax.tree.map(lambda a, b: jnp.where(which, a, b), new, old)
+
+
+def _to_boundary(value: Bounded, step: Bounded, share: Array) -> Array:
+    """Longest step up to 1 that leaves 1 - share of every value at least."""
+
+    def of(v: Array, dv: Array) -> Array:
+        ratio = jnp.where(dv < 0.0, -share * v / jnp.minimum(dv, -_TINY), 1.0)
+        return jnp.min(ratio, initial=1.0)
+
+    lengths = jax.tree.leaves(jax.tree.map(of, value, step))
+    return jnp.min(jnp.stack(lengths))
+
+
+def _lowered(barrier: Array, found: Residuals, settings: InteriorSettings) -> Array:
+    """The next barrier: lower where this one's problem is solved."""
+    for _ in range(2):
+        lower = jnp.minimum(settings.factor * barrier, barrier**settings.power)
+        least = jnp.minimum(barrier, 0.1 * jnp.asarray(settings.tolerance, barrier.dtype))
+        solved = found.error(barrier) <= _SOLVED_TO * barrier
+        barrier = jnp.where(solved, jnp.maximum(least, lower), barrier)
+    return barrier
+
+
+def advanced(
+    program: StagedProgram, limits: Limits, state: State, args: Any, settings: InteriorSettings
+) -> State:
+    """A start after one more pass.
+
+    It judges the point that it is given, and moves on from there unless that was good enough.
+    """
+    place, finish = state.place, state.finish
+    point = place.point
+    slack, dual = limits.slacks(point), point.dual
+    dtype = slack.lower.dtype
+    tolerance = jnp.asarray(settings.tolerance, dtype)
+    penalty = jnp.asarray(settings.row_penalty, dtype)
+
+    found = model(program, point.nodes, point.rows, dual.path, dual.final, args)
+    far = residuals(found, point, slack, program.free_start)
+    violation, stationarity = far.violation, far.stationarity()
+    finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
+    converged = (violation <= tolerance) & (stationarity <= tolerance) & (far.excess <= tolerance)
+
+    waiting = (finish.left == 0) & (state.barrier <= finish.below) & (state.shift == 0.0)
+    beginning = waiting & (far.error(state.barrier) <= _NEAR)
+    left = jnp.where(beginning, _FINISH, finish.left)
+    finishing = left > 0
+    barrier = jnp.where(finishing, state.barrier, _lowered(state.barrier, far, settings))
+    pairs: Pairs = _where(
+        finishing & ~beginning,
+        active_pairs(finish.active, slack, dual, penalty),
+        barrier_pairs(slack, dual, jnp.where(beginning, 0.0, barrier)),
+    )
+    shift = jnp.where(finishing, 0.0, state.shift)
+    step = newton_step(found, slack, dual, pairs, penalty, program.free_start, shift)
+    step = step._replace(slack=limits.only_there(step.slack), dual=limits.only_there(step.dual))
+    share = jnp.maximum(_TO_BOUNDARY, 1.0 - barrier)
+    longest = jnp.where(finishing, 1.0, _to_boundary(slack, step.slack, share))
+    search = _searched(program, limits, state, step, barrier, longest, finishing, args)
+    accepted = search.accepted
+    dual_length = jnp.where(finishing, 1.0, _to_boundary(dual, step.dual, share))
+    moved = search.place.point._replace(
+        dual=jax.tree.map(lambda z, dz: z + dual_length * dz, dual, step.dual),
+        rows=point.rows + search.length * step.rows,
+    )
+    active = _where(
+        beginning,
+        active_along(slack, dual, step.slack, step.dual),
+        active_after(finish.active, limits.slacks(moved), moved.dual),
+    )
+    moved = _kept(limits, moved, barrier, finishing)
+
+    # A model that is not convex, or a step that leads nowhere, asks for more curvature.
+    more = jnp.maximum(_FIRST_SHIFT, jnp.where(state.shift > 0.0, _GROWTH * state.shift, 0.0))
+    less = jnp.where(state.shift < 3.0 * _FIRST_SHIFT, 0.0, state.shift / _SHRINK)
+    shift = jnp.where(finishing, state.shift, jnp.where(accepted, less, more))
+    stuck = jnp.where(shift > _STUCK, Status.INFEASIBLE, RUNNING)
+    status = jnp.where(finite | finishing, stuck, Status.NOT_FINITE)
+    status = jnp.where(converged, Status.CONVERGED, status).astype(state.status.dtype)
+    # The last pass only looks, so that what is said of the point returned is true of it.
+    looking = state.iterations + 1 >= settings.max_iterations
+    going = (status == RUNNING) & ~looking
+    failed = finishing & (~accepted | ~finite | (left == 1))
+    anchor = _where(beginning, place, finish.anchor)
+    onward = _where(failed, anchor, _where(accepted, search.place._replace(point=moved), place))
+    return State(
+        _where(going, onward, place),
+        Finish(
+            jnp.where(finishing & ~failed, left - 1, 0),
+            active,
+            anchor,
+            jnp.where(beginning, 0.5 * state.barrier, finish.below),
+        ),
+        barrier,
+        shift,
+        state.most,
+        status,
+        state.iterations + jnp.where(status == RUNNING, 1, 0),
+        violation,
+        stationarity,
+    )
+
+
+def _searched(
+    program: StagedProgram,
+    limits: Limits,
+    state: State,
+    step: Step,
+    barrier: Array,
+    longest: Array,
+    finishing: Array,
+    args: Any,
+) -> _Search:
+    """How far to go along a step, by a filter; in the finish all of it."""
+    place, nodes = state.place, state.place.point.nodes
+
+    def merit(cost: Array, point: Point) -> Array:
+        logs = jax.tree.leaves(jax.tree.map(lambda s: jnp.sum(jnp.log(s)), limits.slacks(point)))
+        return cost - barrier * sum(logs)
+
+    def along(length: Array) -> Point:
+        return place.point._replace(
+            nodes=Nodes(
+                jax.vmap(program.retract)(nodes.x, length * step.x),
+                program.retract(nodes.end, length * step.end),
+                nodes.u + length * step.u,
+            ),
+            path=place.point.path + length * step.slack.path,
+            final=place.point.final + length * step.slack.final,
+        )
+
+    merit_now = merit(place.cost, place.point)
+
+    def attempt(before: _Search) -> _Search:
+        length = jnp.where(before.trials == 0, longest, _SHORTER * before.length)
+        point = along(length)
+        seen = values(program, point.nodes, args)
+        miss, cost = unmet(seen, point), merit(seen.cost, point)
+        nearer = miss <= (1.0 - 10.0 * _PROGRESS * length) * place.unmet
+        cheaper = cost <= merit_now - _PROGRESS * jnp.minimum(place.unmet, 1.0)
+        level = (miss <= _NEGLIGIBLE) & (cost <= merit_now + 1e-10 * jnp.abs(merit_now))
+        good = (miss <= state.most) & (nearer | cheaper | level) & jnp.isfinite(cost)
+        good = (finishing | good) & jnp.isfinite(miss)
+        return _Search(before.trials + 1, length, Place(point, seen.cost, miss), good)
+
+    def rejected(tried: _Search) -> Array:
+        return ~(tried.accepted | (tried.trials >= _MOST_TRIALS))
+
+    none = _Search(jnp.asarray(0), longest, place, ~step.convex)
+    tried = lax.while_loop(rejected, attempt, none)
+    return tried._replace(accepted=tried.accepted & step.convex)
+
+
+def _kept(limits: Limits, point: Point, barrier: Array, finishing: Array) -> Point:
+    """A point with multipliers near its barrier's; in the finish, with nothing below zero."""
+
+    def near(z: Array, s: Array) -> Array:
+        return jnp.clip(z, barrier / s / _DUAL_RANGE, barrier / s * _DUAL_RANGE)
+
+    pair = point.dual, limits.slacks(point)
+    dual = _where(
+        finishing,
+        jax.tree.map(lambda z: jnp.maximum(z, 0.0), point.dual),
+        jax.tree.map(near, *pair),
+    )
+    return limits.within(point._replace(dual=limits.only_there(dual)))

@@ -1,0 +1,76 @@
+"""How far a point of the interior-point method is from being a solution."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.interior_point.model import Bounded, Model, Values
+from jaxatt.optimize.interior_point.state import Point
+
+_LARGE_MULTIPLIER = 100.0
+
+
+def largest(values: Array) -> Array:
+    """Largest size, 0 of nothing."""
+    return jnp.max(jnp.abs(values), initial=0.0)
+
+
+class Residuals(NamedTuple):
+    """All () but the last.
+
+    gradient : of the Lagrangian.  gaps : of dynamics and hard rows.  short : by which inequalities
+    miss.  excess : of the inequalities over their slacks.  scale : of gradient and products.
+    products : of slacks and multipliers.
+    """
+
+    gradient: Array
+    gaps: Array
+    short: Array
+    excess: Array
+    scale: Array
+    products: Bounded
+
+    def stationarity(self, barrier: Array | float = 0.0) -> Array:
+        """Scaled gradient, and products that are not the barrier."""
+        off = jnp.stack([largest(product - barrier) for product in self.products])
+        return jnp.maximum(self.gradient, jnp.max(off)) / self.scale
+
+    def error(self, barrier: Array) -> Array:
+        """Of a barrier's conditions."""
+        return jnp.maximum(self.stationarity(barrier), jnp.maximum(self.gaps, self.excess))
+
+    @property
+    def violation(self) -> Array:
+        """Of the programme itself, whatever the slacks."""
+        return jnp.maximum(self.gaps, self.short)
+
+
+def residuals(found: Model, point: Point, slack: Bounded, free_start: int) -> Residuals:
+    """Of a point with these derivatives.
+
+    free_start : coordinates of the first state that are decided.
+    """
+    dual, n = point.dual, found.costate.shape[0]
+    by_control = found.gradient[:, n:] - dual.lower + dual.upper
+    by_start = found.costate[n - free_start :]
+    multipliers = jnp.stack([largest(part) for part in (*dual, point.rows)])
+    return Residuals(
+        gradient=jnp.maximum(largest(by_control), largest(by_start)),
+        gaps=jnp.maximum(largest(found.gap), largest(found.rows)),
+        short=jnp.maximum(
+            largest(jnp.minimum(found.path, 0.0)), largest(jnp.minimum(found.final, 0.0))
+        ),
+        excess=jnp.maximum(largest(found.path - slack.path), largest(found.final - slack.final)),
+        scale=jnp.maximum(1.0, jnp.max(multipliers) / _LARGE_MULTIPLIER),
+        products=jax.tree.map(lambda z, s: z * s, dual, slack),
+    )
+
+
+def unmet(found: Values, point: Point) -> Array:
+    """Sum of the sizes of gaps, hard rows and excesses of the inequalities, ()."""
+    excess = jnp.sum(jnp.abs(found.path - point.path))
+    return found.unmet + excess + jnp.sum(jnp.abs(found.final - point.final))

@@ -1,0 +1,198 @@
+"""Primal-dual interior-point method over stages, from one start; `jax.vmap` makes it many.
+
+    minimise    sum of cost(x_k, u_k)
+    subject to  x_(k+1) = dynamics(x_k, u_k),  final_rows(x_N) = 0,
+                lower <= u_k <= upper,  inequality(x_k, u_k) >= 0,  final_inequality(x_N) >= 0
+
+over the controls, the states (multiple shooting) and those coordinates of the first state that the
+programme leaves free.  A pass of the loop differentiates all stages twice, makes a Riccati
+recursion for the Newton step of the barrier problem, and moves along it as far as the limits and a
+filter allow.  Second derivatives are exact; where the reduced Hessian is not positive definite the
+curvature is shifted until it is.  Hard rows at the end enter with a large quadratic weight around
+their multipliers, which is a tiny regularisation of the dual system that the next step corrects.
+
+The end is a finish (`complementarity`): near enough to the solution, one step without a barrier
+tells which limits hold, and full Newton steps with those limits as equations end quadratically.  A
+limit is released where its multiplier turns negative and taken up where it is overstepped.  A
+finish that does not end in a few passes had the wrong limits; the start goes back to where it began
+and follows the barrier on.
+
+Sources: Waechter and Biegler (2006), "On the implementation of an interior-point filter line-search
+algorithm for large-scale nonlinear programming", for barrier, shift and fraction to the boundary;
+Vanroye, De Schutter and Decre (2023), "FATROP: a fast constrained optimal control problem solver
+for robot trajectory optimization and control", for the Riccati recursion in such a method.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from jaxatt.optimize.interior_point.model import Bounded, Nodes, values
+from jaxatt.optimize.interior_point.newton_pass import advanced
+from jaxatt.optimize.interior_point.residuals import unmet
+from jaxatt.optimize.interior_point.state import (
+    RUNNING,
+    Finish,
+    InteriorSettings,
+    Limits,
+    Place,
+    Point,
+    State,
+)
+from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.status import Status
+
+__all__ = [
+    "InteriorSettings",
+    "InteriorSolution",
+    "State",
+    "advance",
+    "begin",
+    "outcome",
+    "running",
+    "solve_interior",
+]
+
+_PUSH = 1e-2
+"""Share of its range by which a start is kept off a limit."""
+
+
+class InteriorSolution(NamedTuple):
+    """Where a start ended.
+
+    x : (N + 1, s), states.  u : (N, b).  objective : ().  status : () a `Status`.
+    violation : (), largest of gaps, hard rows and inequalities.  stationarity : (), largest of the
+    Lagrangian's scaled gradient and the complementarity.  Both hold at the returned point, with
+    exact derivatives.  rows : (r,) and dual : multipliers.  iterations : () passes.
+    """
+
+    x: Array
+    u: Array
+    objective: Array
+    status: Array
+    violation: Array
+    stationarity: Array
+    rows: Array
+    dual: Bounded
+    iterations: Array
+
+
+def begin(
+    program: StagedProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
+) -> State:
+    """Before the first pass.
+
+    u : (N, b) and states : (N + 1, s), which need not obey the dynamics.
+    """
+    dtype = u.dtype
+    limits = Limits.of(program, u.shape[1], args)
+    start = _first_point(program, u, states, args, limits)
+    seen = values(program, start.nodes, args)
+    missed = unmet(seen, start)
+    infinite = jnp.asarray(jnp.inf, dtype)
+    dual = jax.tree.map(lambda s: settings.barrier / s, limits.slacks(start))
+    place = Place(start._replace(dual=limits.only_there(dual)), seen.cost, missed)
+    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, bool), dual)
+    return State(
+        place,
+        Finish(jnp.zeros((), int), nothing, place, jnp.asarray(settings.finish_from, dtype)),
+        jnp.asarray(settings.barrier, dtype),
+        jnp.zeros((), dtype),
+        10.0 * jnp.maximum(1.0, missed),
+        jnp.full((), RUNNING, int),
+        jnp.zeros((), int),
+        infinite,
+        infinite,
+    )
+
+
+def running(state: State, settings: InteriorSettings) -> Array:
+    """Whether a start has passes to go, ()."""
+    return (state.status == RUNNING) & (state.iterations < settings.max_iterations)
+
+
+def advance(
+    program: StagedProgram,
+    state: State,
+    args: Any,
+    settings: InteriorSettings,
+    passes: Array | int | None = None,
+) -> State:
+    """A start some passes later, or where it has ended.
+
+    passes : at most; without it as many as it takes.
+    """
+    most = settings.max_iterations if passes is None else passes
+    limits = Limits.of(program, state.place.point.nodes.u.shape[1], args)
+
+    def going(carry: tuple[State, Array]) -> Array:
+        state, made = carry
+        return running(state, settings) & (made < most)
+
+    def onward(carry: tuple[State, Array]) -> tuple[State, Array]:
+        state, made = carry
+        return advanced(program, limits, state, args, settings), made + 1
+
+    return lax.while_loop(going, onward, (state, jnp.asarray(0)))[0]
+
+
+def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
+    """What is said of a start."""
+    feasible = state.violation <= settings.tolerance
+    unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
+    stuck = (state.status == Status.INFEASIBLE) & feasible
+    status = jnp.where(stuck, Status.FEASIBLE, state.status)
+    point = state.place.point
+    nodes = point.nodes
+    return InteriorSolution(
+        jnp.concatenate([nodes.x, nodes.end[None]]),
+        nodes.u,
+        state.place.cost,
+        jnp.where(status == RUNNING, unfinished, status),
+        state.violation,
+        state.stationarity,
+        point.rows,
+        point.dual,
+        state.iterations,
+    )
+
+
+def solve_interior(
+    program: StagedProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
+) -> InteriorSolution:
+    """Minimise a `StagedProgram` from one start.
+
+    u : (N, b) and states : (N + 1, s), which need not obey the dynamics.
+
+    Nothing raises inside; the outcome is in `InteriorSolution.status`.
+    """
+    start = begin(program, u, states, args, settings)
+    return outcome(advance(program, start, args, settings), settings)
+
+
+def _first_point(
+    program: StagedProgram,
+    u: Array,
+    states: Array,
+    args: Any,
+    limits: Limits,
+) -> Point:
+    """The start, pushed off the limits."""
+    below, above, low, high = limits
+    span = jnp.where(below & above, high - low, 1.0)
+    u = jnp.where(below, jnp.maximum(u, low + _PUSH * span), u)
+    u = jnp.where(above, jnp.minimum(u, high - _PUSH * span), u)
+    nodes = Nodes(states[:-1], states[-1], u)
+    found = values(program, nodes, args)
+    nothing = jnp.zeros_like(u)
+    return Point(
+        nodes,
+        jnp.maximum(found.path, _PUSH),
+        jnp.maximum(found.final, _PUSH),
+        Bounded(jnp.zeros_like(found.path), jnp.zeros_like(found.final), nothing, nothing),
+        jnp.zeros_like(program.final_rows(nodes.end, args)),
+    )

@@ -1,0 +1,130 @@
+"""What the interior-point method carries from pass to pass; see `interior_point`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.interior_point.model import Bounded, Nodes, limits_along
+from jaxatt.optimize.optimal_control import StagedProgram
+
+RUNNING = -1
+"""The status of a start that has not ended."""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class InteriorSettings:
+    """Settings; all are traced.
+
+    tolerance : of violation, scaled stationarity and complementarity.
+    barrier : the first one.  factor, power : a solved barrier b becomes min(factor b, b^power).
+    row_penalty : of the hard rows at the end, and of active limits in the finish.
+    finish_from : barrier from which the finish may be tried; 0 for never.
+    max_iterations : passes.
+    """
+
+    tolerance: float = 1e-8
+    barrier: float = 0.02
+    factor: float = 0.1
+    power: float = 1.5
+    row_penalty: float = 1e7
+    finish_from: float = 1e-3
+    max_iterations: int = 200
+
+
+class Point(NamedTuple):
+    """path, final : values that the inequalities are to take.  dual, rows : multipliers."""
+
+    nodes: Nodes
+    path: Array
+    final: Array
+    dual: Bounded
+    rows: Array
+
+
+class Place(NamedTuple):
+    """A point, its cost, () and how much is unmet there, ()."""
+
+    point: Point
+    cost: Array
+    unmet: Array
+
+
+class Finish(NamedTuple):
+    """How far the finish is.
+
+    left : () passes that it may still take, 0 where it is not under way.  active : limits that are
+    taken to hold.  anchor : where it began, to which a start that fails in it goes back.
+    below : () barrier from which it may be tried next.
+    """
+
+    left: Array
+    active: Bounded
+    anchor: Place
+    below: Array
+
+
+class State(NamedTuple):
+    """Between two passes.
+
+    barrier, shift : ().  most : () of `unmet` that a trial may have.  status : () a `Status` or
+    `RUNNING`.  violation, stationarity : () at the point before.
+    """
+
+    place: Place
+    finish: Finish
+    barrier: Array
+    shift: Array
+    most: Array
+    status: Array
+    iterations: Array
+    violation: Array
+    stationarity: Array
+
+
+class Limits(NamedTuple):
+    """Of the controls, (N, b).  below, above : whether there is one.  low, high : 0 without."""
+
+    below: Array
+    above: Array
+    low: Array
+    high: Array
+
+    @classmethod
+    def of(cls, program: StagedProgram, size: int, args: Any) -> Limits:
+        """size : b."""
+        lower, upper = limits_along(program, size, args)
+        below, above = jnp.isfinite(lower), jnp.isfinite(upper)
+        return cls(below, above, jnp.where(below, lower, 0.0), jnp.where(above, upper, 0.0))
+
+    def slacks(self, point: Point) -> Bounded:
+        """What is left to every limit; 1 where there is none."""
+        u = point.nodes.u
+        return Bounded(
+            point.path,
+            point.final,
+            jnp.where(self.below, u - self.low, 1.0),
+            jnp.where(self.above, self.high - u, 1.0),
+        )
+
+    def within(self, point: Point) -> Point:
+        """A point whose controls keep their limits and whose slacks are not negative."""
+        u = point.nodes.u
+        u = jnp.where(self.below, jnp.maximum(u, self.low), u)
+        u = jnp.where(self.above, jnp.minimum(u, self.high), u)
+        return point._replace(
+            nodes=point.nodes._replace(u=u),
+            path=jnp.maximum(point.path, 0.0),
+            final=jnp.maximum(point.final, 0.0),
+        )
+
+    def only_there(self, of: Bounded) -> Bounded:
+        """Without limits that are infinite."""
+        return of._replace(
+            lower=jnp.where(self.below, of.lower, 0.0), upper=jnp.where(self.above, of.upper, 0.0)
+        )

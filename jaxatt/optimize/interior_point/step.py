@@ -1,0 +1,124 @@
+"""A Newton step over stages: one Riccati recursion and its prediction."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from jaxatt.optimize.interior_point.crossover import Pairs
+from jaxatt.optimize.interior_point.model import Bounded, Model
+from jaxatt.optimize.riccati.recursion import StageModel, backward_step, eliminated
+
+_LEAST_PIVOT = 1e-11
+
+
+class Step(NamedTuple):
+    """A step of everything.
+
+    x : (N, n) and end : (n,), errors of the states.  u : (N, b).  rows : (r,), of multipliers.
+    slack, dual : of the inequalities.
+    convex : (), whether the model was, on what the dynamics leave free; otherwise it is no step.
+    """
+
+    x: Array
+    end: Array
+    u: Array
+    rows: Array
+    slack: Bounded
+    dual: Bounded
+    convex: Array
+
+
+def _weighted(slope: Array, weight: Array) -> Array:
+    """slope' diag(weight) slope, (..., z, z), as a sum of rank-one products."""
+    shape = (*slope.shape[:-2], slope.shape[-1], slope.shape[-1])
+    total = jnp.zeros(shape, slope.dtype)
+    for k in range(slope.shape[-2]):
+        row = slope[..., k, :]
+        total = total + (weight[..., k, None] * row)[..., :, None] * row[..., None, :]
+    return total
+
+
+def _times(slope: Array, vector: Array) -> Array:
+    """slope vector, over the last axes."""
+    return jnp.sum(slope * vector[..., None, :], axis=-1)
+
+
+def newton_step(
+    model: Model,
+    slack: Bounded,
+    dual: Bounded,
+    pairs: Pairs,
+    row_penalty: Array,
+    free_start: int,
+    shift: Array,
+) -> Step:
+    """The step towards a point that is stationary and where every pair obeys its line.
+
+    slack : what is left to every limit.  row_penalty : (), of the hard rows, see `interior_point`.
+    shift : (), added to all curvature.
+    """
+    count, n, width = model.dynamics.shape
+    size = width - n
+    dtype = model.gap.dtype
+    stiffness, aim = pairs
+    # Excess of the inequalities over their slacks; those of the controls' limits are exact.
+    path_excess, final_excess = model.path - slack.path, model.final - slack.final
+    diagonal = stiffness.lower + stiffness.upper
+    by_limits = aim.upper - aim.lower
+    at_path = dual.path - aim.path + stiffness.path * path_excess
+    at_end = dual.final - aim.final + stiffness.final * final_excess
+    gradient = jnp.concatenate([jnp.zeros((count, n), dtype), model.gradient[:, n:] + by_limits], 1)
+    gradient = gradient + jnp.sum(model.path_slope * at_path[..., None], axis=1)
+    hessian = model.hessian + _weighted(model.path_slope, stiffness.path)
+    diagonal = jnp.concatenate([jnp.zeros((count, n), dtype), diagonal], axis=1)
+    last = model.final_hessian + _weighted(
+        model.rows_slope, jnp.broadcast_to(row_penalty, model.rows.shape)
+    )
+    last = last + _weighted(model.final_slope, stiffness.final)
+    pull = jnp.sum(model.rows_slope * (row_penalty * model.rows)[:, None], axis=0)
+    pull = pull + jnp.sum(model.final_slope * at_end[:, None], axis=0)
+    end_value = jnp.concatenate([last, pull[:, None]], axis=1)
+    free, forced, nothing = jnp.ones(size, dtype), jnp.zeros(size, dtype), jnp.zeros((), dtype)
+
+    def backwards(
+        carry: tuple[Array, Array], inputs: tuple[Array, ...]
+    ) -> tuple[tuple[Array, Array], Array]:
+        value, least = carry
+        dynamics, hessian, diagonal, gradient, gap = inputs
+        ahead = value[:, n] + jnp.sum(value[:, :n] * gap[None], axis=1)
+        value = jnp.concatenate([value[:, :n], ahead[:, None]], axis=1)
+        shifted = hessian + (diagonal + shift)[:, None] * jnp.eye(width, dtype=dtype)
+        stage = StageModel(dynamics, shifted, gradient)
+        policy = backward_step(value, stage, free, forced, nothing)
+        return (policy.value, jnp.minimum(least, policy.pivot)), policy.law
+
+    inputs = (model.dynamics, hessian, diagonal, gradient, model.gap)
+    infinite = jnp.asarray(jnp.inf, dtype)
+    (value, least), laws = lax.scan(backwards, (end_value, infinite), inputs, reverse=True)
+    begin = jnp.zeros(n, dtype)
+    if free_start:
+        left = eliminated(value[:, :n], value[:, n] + model.costate, n - free_start)
+        begin = jnp.concatenate([begin[free_start:], left.law[:, -1]])
+        least = jnp.minimum(least, left.pivot)
+
+    def forwards(x: Array, inputs: tuple[Array, Array, Array]) -> tuple[Array, tuple[Array, Array]]:
+        dynamics, law, gap = inputs
+        u = law[:, n] + jnp.sum(law[:, :n] * x[None], axis=1)
+        ahead = jnp.sum(dynamics * jnp.concatenate([x, u])[None], axis=1) + gap
+        return ahead, (x, u)
+
+    end, (x, u) = lax.scan(forwards, begin, (model.dynamics, laws, model.gap))
+    moved = jnp.concatenate([x, u], axis=1)
+    slack_step = Bounded(
+        _times(model.path_slope, moved) + path_excess,
+        _times(model.final_slope, end) + final_excess,
+        u,
+        -u,
+    )
+    dual_step = jax.tree.map(lambda a, z, q, ds: a - z - q * ds, aim, dual, stiffness, slack_step)
+    rows = row_penalty * (model.rows + _times(model.rows_slope, end))
+    return Step(x, end, u, rows, slack_step, dual_step, least > _LEAST_PIVOT)

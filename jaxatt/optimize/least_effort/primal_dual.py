@@ -1,0 +1,216 @@
+"""Least sum of magnitudes that brings some rows to zero, within limits: a primal-dual method.
+
+    minimise    e sum sqrt((E u_k)^2 + s^2)  +  1/2 sum of w r^2 over the soft rows
+    subject to  r(u) = 0 for the hard rows,  |l u_k| <= 1 at every stage k
+
+Newton steps on the conditions for a minimum, with the limits behind a barrier that vanishes and a
+dual variable for every magnitude, which makes the steps converge fast where the smoothing s is
+small and the optimum has corners.  The blocks of the stages are eliminated first, so a step solves
+one system as large as the number of rows, whatever the number of stages.  The curvature of the
+rows is left out, as in a Gauss-Newton method.
+
+Sources: Chan, Golub and Mulet (1999), "A nonlinear primal-dual method for total variation-based
+image restoration"; Nocedal and Wright (2006), chapter 19.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+
+from jaxatt.optimize.augmented_lagrangian.solver import (
+    LARGE_MULTIPLIER,
+    Multipliers,
+    Schedule,
+    Solution,
+)
+from jaxatt.optimize.reweighting.equations import Response
+from jaxatt.optimize.small_systems import invert_spd_blocks, solve_spd
+from jaxatt.optimize.status import Status
+
+_RUNNING = -1
+_INSIDE = 0.95
+_TO_BOUNDARY = 0.995
+_BARRIER = 1e-2
+_BARRIER_FACTOR = 0.2
+_CURVATURE_SHARE = 0.02
+"""Of the curvature that majorises a magnitude, at least kept: away from zero the true one vanishes
+and, where several controls could do the same, nothing else would bound the step."""
+_LARGEST_STEP = 2.0
+_SHRINKS = 0.9
+_MOST_STALLS = 25
+_HOPELESS_MULTIPLIER = 1e8
+_DAMPING = 1e-12
+_TINY = 1e-300
+
+
+class _State(NamedTuple):
+    u: Array
+    sign: Array
+    rows: Array
+    limits: Array
+    smoothing: Array
+    barrier: Array
+    status: Array
+    iterations: Array
+    stationarity: Array
+    violation: Array
+    least: Array
+    stalls: Array
+
+
+def _longest(value: Array, step: Array) -> Array:
+    """Longest step up to 1 that keeps value + step non-negative, nearly."""
+    ratio = jnp.where(step < 0.0, -_TO_BOUNDARY * value / jnp.minimum(step, -_TINY), 1.0)
+    return jnp.minimum(1.0, jnp.min(ratio, initial=1.0))
+
+
+def least_effort(
+    response: Response,
+    limits: Array,
+    effort_map: Array,
+    u: Array,
+    free: Array,
+    row_weight: Array,
+    effort_scale: Array,
+    schedule: Schedule,
+) -> Solution:
+    """Minimise from one start; `jax.vmap` makes it many.
+
+    limits : (n, b), rows l.  effort_map : (q, b), E.  effort_scale : (), e.
+    u : (N, b), near a root of the rows.  free : (N, b), 1 where control is allowed.
+    row_weight : (m,), inf for hard rows, w for soft ones.
+    schedule : its tolerances, smoothing and largest number of iterations.
+
+    Nothing raises inside; the outcome is in `Solution.status`.  CONVERGED is tested at the point
+    that is returned, with the smoothing's end and the exact derivatives.
+    """
+    dtype, size = u.dtype, u.shape[1]
+    faces = jnp.concatenate([limits, -limits])
+    hard = jnp.isinf(row_weight)
+    compliance = jnp.where(hard, 0.0, 1.0 / row_weight)
+    eye = jnp.eye(size, dtype=dtype)[None]
+    fixed = eye * (1.0 - free)[:, :, None]
+
+    def body(state: _State) -> _State:
+        rows, jacobian = response(state.u)
+        jacobian = jacobian * free[:, None]
+        room = 1.0 - state.u @ faces.T
+        parts = state.u @ effort_map.T
+        length = jnp.sqrt(parts**2 + state.smoothing**2)
+        slope = effort_scale * (parts / length) @ effort_map
+
+        pulled = jnp.einsum("kmi,m->ki", jacobian, state.rows)
+        gradient = (slope + pulled + state.limits @ faces) * free
+        largest = jnp.maximum(jnp.max(jnp.abs(state.rows)), jnp.max(state.limits))
+        stationarity = jnp.max(jnp.abs(gradient)) / jnp.maximum(1.0, largest / LARGE_MULTIPLIER)
+        stationarity = jnp.maximum(stationarity, jnp.max(room * state.limits))
+        soft = jnp.max(jnp.where(hard, 0.0, jnp.abs(rows - compliance * state.rows)))
+        stationarity = jnp.maximum(stationarity, soft)
+        violation = jnp.max(jnp.where(hard, jnp.abs(rows), 0.0))
+        small = state.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
+        feasible = violation <= schedule.tolerance
+        converged = small & feasible & (stationarity <= schedule.stationarity)
+        finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
+        shrunk = feasible | (violation <= _SHRINKS * state.least)
+        stalls = jnp.where(shrunk, 0, state.stalls + 1)
+        hopeless = (stalls >= _MOST_STALLS) | (~feasible & (largest > _HOPELESS_MULTIPLIER))
+        unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
+        unfinished = jnp.where(hopeless, Status.INFEASIBLE, unfinished)
+        last = (state.iterations >= schedule.max_iterations) | hopeless
+        status = jnp.where(
+            ~finite,
+            Status.NOT_FINITE,
+            jnp.where(converged, Status.CONVERGED, jnp.where(last, unfinished, _RUNNING)),
+        )
+
+        bent = 1.0 - state.sign * parts / length
+        curvature = effort_scale * jnp.maximum(bent, _CURVATURE_SHARE) / length
+        blocks = jnp.einsum("kq,qi,qj->kij", curvature, effort_map, effort_map)
+        blocks = blocks + jnp.einsum("kf,fi,fj->kij", state.limits / room, faces, faces)
+        blocks = blocks * free[:, :, None] * free[:, None] + fixed + _DAMPING * eye
+        inverse = invert_spd_blocks(blocks)
+        push = (slope + (state.barrier / room) @ faces) * free
+        spread = jnp.einsum("kij,kmj->kmi", inverse, jacobian)
+        matrix = jnp.einsum("kmi,kni->mn", jacobian, spread)
+        diagonal = jnp.diagonal(matrix) * _DAMPING + _TINY + compliance
+        missing = rows - jnp.einsum("kmi,ki->m", spread, push)
+        shares = solve_spd(matrix + jnp.diag(diagonal), missing)
+        step = -jnp.einsum("kij,kj->ki", inverse, push) - jnp.einsum("kmi,m->ki", spread, shares)
+        step = step * free
+
+        towards = step @ faces.T
+        limits_step = (state.barrier + state.limits * towards) / room - state.limits
+        sign_step = (parts + bent * (step @ effort_map.T)) / length - state.sign
+        ahead = jnp.minimum(
+            _longest(room, -towards), _LARGEST_STEP / jnp.maximum(jnp.max(jnp.abs(step)), _TINY)
+        )
+        ahead = jnp.minimum(1.0, ahead)
+        shrinks = ahead > 0.5
+        moved = _State(
+            state.u + ahead * step,
+            state.sign
+            + sign_step
+            * jnp.minimum(
+                _longest(1.0 - state.sign, -sign_step), _longest(1.0 + state.sign, sign_step)
+            ),
+            shares,
+            state.limits + limits_step * _longest(state.limits, limits_step),
+            jnp.where(
+                shrinks,
+                jnp.maximum(schedule.smoothing_end, schedule.smoothing_factor * state.smoothing),
+                state.smoothing,
+            ),
+            jnp.where(
+                shrinks,
+                jnp.maximum(0.1 * schedule.stationarity, _BARRIER_FACTOR * state.barrier),
+                state.barrier,
+            ),
+            status,
+            state.iterations + 1,
+            stationarity,
+            violation,
+            jnp.minimum(state.least, violation),
+            stalls,
+        )
+        ended = state._replace(status=status, stationarity=stationarity, violation=violation)
+        return jax.tree.map(lambda new, old: jnp.where(status == _RUNNING, new, old), moved, ended)
+
+    start = u * free
+    over = jnp.max(jnp.abs(start @ limits.T), axis=1, keepdims=True)
+    start = start / jnp.maximum(1.0, over / _INSIDE)
+    parts = start @ effort_map.T
+    smoothing = jnp.asarray(schedule.smoothing_start, dtype)
+    barrier = jnp.asarray(_BARRIER, dtype) * effort_scale
+    infinite = jnp.asarray(jnp.inf, dtype)
+    end = lax.while_loop(
+        lambda state: state.status == _RUNNING,
+        body,
+        _State(
+            start,
+            0.9 * parts / jnp.sqrt(parts**2 + smoothing**2),
+            jnp.zeros(row_weight.shape, dtype),
+            barrier / (1.0 - start @ faces.T),
+            smoothing,
+            barrier,
+            jnp.asarray(_RUNNING),
+            jnp.asarray(0),
+            infinite,
+            infinite,
+            infinite,
+            jnp.asarray(0),
+        ),
+    )
+    effort = jnp.sqrt((end.u @ effort_map.T) ** 2 + schedule.smoothing_end**2)
+    return Solution(
+        end.u,
+        effort_scale * jnp.sum(effort - schedule.smoothing_end),
+        end.status,
+        end.violation,
+        end.stationarity,
+        Multipliers(end.rows, jnp.zeros((0,), dtype), end.limits),
+        end.iterations,
+    )

@@ -1,0 +1,45 @@
+"""What stands in the way of an answer that does not reach, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from jaxatt.optimize.status import Status
+from jaxatt.problems.hands_off.task import Verdict
+from jaxatt.report.result import PointingRecord
+from jaxatt.report.wording import broken_limit
+
+_ERROR_WORDS = {
+    "attitude": "the target attitude",
+    "rate": "the target rate",
+    "waypoint": "the waypoint's attitude",
+    "state": "the target state",
+}
+
+
+def obstacle(
+    verdict: Verdict,
+    status: Status,
+    pointing: PointingRecord | None = None,
+    also: Sequence[str] = (),
+) -> str:
+    """Which constraints one answer breaks, the cones by name, and how its solver ended.
+
+    also : what else is worth telling, before the solver's own ending.
+    """
+    missed = [
+        f"{_ERROR_WORDS[name]} is missed by {error[0] / verdict.tolerances[name]:.3g} times its "
+        "tolerance"
+        for name, error in verdict.errors.items()
+        if not error[0] <= verdict.tolerances[name]
+    ]
+    if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
+        missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
+    broken = [] if pointing is None else [e for e in pointing.extremes if not e.satisfied]
+    missed += [broken_limit(extreme) for extreme in broken]
+    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE and not broken:
+        missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
+    missed += also
+    if status not in (Status.CONVERGED, Status.FEASIBLE):
+        missed.append(f"the solver {status.meaning}: {status.remedy}")
+    return "; ".join(missed)

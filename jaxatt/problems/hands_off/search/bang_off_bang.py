@@ -1,0 +1,81 @@
+"""Supports of two bursts, the first and the last intervals: where sparse slews with valves end up.
+
+Torque early and late has the longest lever, so slews that saturate use the ends of the horizon.
+Trying every such support of a size is cheap, rescues searches that do not arrive, and is evidence
+where none of a smaller size does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from jaxatt.optimize.reweighting.bounded import BoundedReweighting
+from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.optimize.status import Status
+from jaxatt.problems.hands_off.search.batch import broadcast_lanes
+from jaxatt.problems.hands_off.search.bounded_batch import sparsify_bounded_lanes
+from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
+from jaxatt.problems.hands_off.search.polish import Method, polish, screen
+from jaxatt.problems.hands_off.task import Floats, Task
+
+_NEARLY_HARD = 1e5
+"""Weight of a squared row against that of a squared scaled control."""
+
+_NEAREST = BoundedReweighting(deciding=0, settling=40, settled_smoothing=1.0, reach=10.0)
+
+
+def burst_supports(task: Task, shapes: Iterable[tuple[int, int]]) -> Mask:
+    """Supports (S, N, 1) of the first a and the last b intervals that are allowed."""
+    allowed = np.flatnonzero((np.asarray(task.arguments.free) > 0).any(axis=1))
+    made = []
+    for first, last in shapes:
+        support = np.zeros((task.intervals, 1), bool)
+        support[allowed[:first]] = True
+        support[allowed[len(allowed) - last :]] = True
+        made.append(support)
+    return np.unique(np.stack(made), axis=0)
+
+
+def _both_ways(task: Task, supports: Mask) -> tuple[Floats, Mask, Floats]:
+    """Controls at rest, the supports twice, and the way round, 1 then -1."""
+    twice = np.concatenate([supports, supports])
+    sign = np.repeat([1.0, -1.0], len(supports))
+    return np.zeros((len(twice), task.intervals, task.size)), twice, sign
+
+
+def try_bursts(task: Task, size: int, method: Method) -> Candidates:
+    """Every support of `size` intervals in two bursts, both ways round, flown and judged."""
+    return screen(task, *_both_ways(task, burst_supports(task, _shapes(size))), method)
+
+
+def nearest_bursts(task: Task, size: int, method: Method, attempts: int = 4) -> Candidates:
+    """As `try_bursts`, but each support ends as near to the target as it can, reached or not.
+
+    The squared errors are minimised within limits from `attempts` beginnings, at rest and random:
+    what is left on the best of them tells how far out of reach a size is.
+    """
+    u, supports, sign = _both_ways(task, burst_supports(task, _shapes(size)))
+    rng = np.random.default_rng(0)
+    count = len(u)
+    u, supports, sign = (np.concatenate([part] * attempts) for part in (u, supports, sign))
+    u[count:] = rng.uniform(size=u[count:].shape)
+    free = np.broadcast_to(supports, u.shape) * np.asarray(task.arguments.free)
+    lanes = broadcast_lanes(u * free, free, np.full(task.rows, _NEARLY_HARD), sign)
+    found = sparsify_bounded_lanes(
+        method.form(task), lanes, task.arguments, _NEAREST, method.progress, method.rows
+    )
+    status = np.full(len(u), int(Status.FEASIBLE))
+    steps = np.full(len(u), _NEAREST.settling)
+    return evaluate(task, np.asarray(found.u), status, steps, sign)
+
+
+def _shapes(size: int) -> list[tuple[int, int]]:
+    return [(first, size - first) for first in range(size + 1)]
+
+
+def cheapest_bursts(task: Task, most: int, method: Method) -> Candidates:
+    """A first burst of every length up to `most`, alone or with as long a one at the end."""
+    shapes = [(first, last) for first in range(1, most + 1) for last in (0, first)]
+    return polish(task, *_both_ways(task, burst_supports(task, shapes)), method)

@@ -1,0 +1,128 @@
+"""Multi-start search where every control has limits of its own, as one-sided thrusters have.
+
+1. Reweighted Newton steps between the bounds decide which intervals are active, from every start.
+2. The support is frozen and the L1 effort is minimised on it.
+3. If no start arrives, two bursts at the ends of the horizon are tried, shortest first.
+4. The best supports found are improved by dropping and moving single intervals.
+5. Two bursts with fewer and fewer intervals are tried for as long as some arrive.
+6. Where the printed cost is minimised, that answer competes with doing nothing, with starts on the
+   cost itself and with bursts that leave the target aside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxatt.problems.hands_off.search.bang_off_bang import cheapest_bursts, try_bursts
+from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
+from jaxatt.problems.hands_off.search.local_search import improve
+from jaxatt.problems.hands_off.search.polish import Method, decide, polish
+from jaxatt.problems.hands_off.search.starts import draw
+from jaxatt.problems.hands_off.task import Floats, Task
+
+_IMPROVED = 2
+_LONGEST_BURST = 24
+_TRACE = 1e-2
+"""Scaled controls below it are traces of an approximate L1 optimum."""
+
+MakeMethod = Callable[[str, str], Method]
+"""(what decides the support, what to tell of progress) -> how to solve."""
+
+
+@dataclass(frozen=True)
+class BoundedFound:
+    """starts : one candidate a start.  pool : all answers, the starts included."""
+
+    starts: Candidates
+    pool: Candidates
+
+
+def search_bounded(
+    task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
+) -> BoundedFound:
+    """Answers to a task whose system has bounds; see `search.search`."""
+    if task.goal.terminal == "penalty":
+        return _cheapest(task, count, seed, guess, method)
+    starts = from_bounded_starts(task, count, seed, guess, method)
+    pool = starts
+    if not starts.verdict.reached.any() and task.goal.kind != "l1":
+        pool = join(starts, *_rescued(task, method))
+    if task.goal.kind == "l1":
+        return BoundedFound(starts, pool)
+    return BoundedFound(starts, _shortened(task, _improved(task, pool, method, True), method))
+
+
+def from_bounded_starts(
+    task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
+) -> Candidates:
+    """What `count` starts find by themselves."""
+    scaled = None if guess is None else task.from_controls(guess)
+    drawn = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
+    drawn = drawn._replace(u=np.abs(drawn.u))
+    decides = "l1" if task.goal.kind == "l1" else "l0"
+    u, supports = decide(task, drawn, method(decides, "deciding which intervals are active"))
+    ended = polish(task, u, supports, drawn.sign, method(decides, "polishing"))
+    if decides == "l0":
+        return ended
+    # The least effort leaves traces that only an exact linear programme would make zero.
+    u = task.from_controls(ended.controls)
+    kept = np.abs(u).max(axis=-1, keepdims=True) > _TRACE
+    pruned = polish(task, u, kept, drawn.sign, method(decides, "polishing"))
+    return pruned.where(pruned.verdict.reached | ~ended.verdict.reached, ended)
+
+
+def _rescued(task: Task, method: MakeMethod) -> list[Candidates]:
+    """Bursts at both ends, longer and longer until some arrive."""
+    size = 2
+    while size <= task.intervals:
+        tried = try_bursts(task, size, method("l0", "trying bursts at both ends"))
+        if tried.verdict.reached.any():
+            return [tried.pick(np.flatnonzero(tried.verdict.reached))]
+        size = max(size + 1, round(1.3 * size))
+    return []
+
+
+def _shortened(task: Task, pool: Candidates, method: MakeMethod) -> Candidates:
+    """The pool with the shortest pair of bursts that arrives, if it beats what is there."""
+    best = pool.pick(pool.order(True)[0])
+    if not best.verdict.reached[0]:
+        return pool
+    size = int(best.rank[0, 1]) - 1
+    found: Candidates | None = None
+    while size > 0:
+        tried = try_bursts(task, size, method("l0", "trying fewer intervals"))
+        if not tried.verdict.reached.any():
+            break
+        found, size = tried.pick(np.flatnonzero(tried.verdict.reached)), size - 1
+    if found is None:
+        return pool
+    supports = np.stack([support_of(task, controls) for controls in found.controls])
+    u = task.from_controls(found.controls)
+    return join(pool, found, polish(task, u, supports, found.sign, method("l0", "polishing")))
+
+
+def _improved(task: Task, pool: Candidates, method: MakeMethod, reached_first: bool) -> Candidates:
+    moving = method("l0", "moving single intervals")
+    order = pool.order(reached_first)[:_IMPROVED]
+    usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
+    tried: set[bytes] = set()
+    return join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
+
+
+def _cheapest(
+    task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
+) -> BoundedFound:
+    starts = from_bounded_starts(task, count, seed, guess, method)
+    most = min(_LONGEST_BURST, task.intervals // 2)
+    bursts = cheapest_bursts(task, most, method("l0", "trying bursts at both ends"))
+    pool = _improved(task, join(starts, bursts), method, False)
+    arriving = task.reaching()
+    arrived = search_bounded(arriving, count, seed, guess, method).pool
+    first = arrived.pick(arrived.order(True)[:1])
+    again = evaluate(
+        task, task.from_controls(first.controls), first.status, first.iterations, first.sign
+    )
+    return BoundedFound(starts, join(pool, again))

@@ -1,0 +1,110 @@
+"""Answers with the verdict of their re-simulation, and what makes one better than another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.optimize.status import Status
+from jaxatt.problems.hands_off.task import Floats, Task, Verdict
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """Answers with their verdicts; leading axis S.
+
+    controls : (S, N, b), the system's controls.  status : (S,) `Status`.
+    verdict : from re-simulation.  rank : (S, 3), what is compared, smaller is better.
+    iterations : (S,), inner steps.  sign : (S,), -1 where the long way round was aimed at.
+    """
+
+    controls: Floats
+    status: npt.NDArray[np.int64]
+    verdict: Verdict
+    rank: Floats
+    iterations: npt.NDArray[np.int64]
+    sign: Floats
+
+    def order(self, reached_first: bool) -> npt.NDArray[np.int64]:
+        """Indices from best to worst."""
+        keys = list(self.rank.T[::-1])
+        if reached_first:
+            missed = np.where(self.verdict.reached, 0.0, np.maximum(1.0, self.verdict.shortfall))
+            keys.append(missed)
+        return np.lexsort(keys)
+
+    def pick(self, index: npt.NDArray[np.int64] | int) -> Candidates:
+        """Some of the candidates, or one (S = 1)."""
+        rows = np.atleast_1d(index)
+        return Candidates(
+            self.controls[rows],
+            self.status[rows],
+            self.verdict.pick(rows),
+            self.rank[rows],
+            self.iterations[rows],
+            self.sign[rows],
+        )
+
+    def where(self, kept: npt.NDArray[np.bool_], others: Candidates) -> Candidates:
+        """These candidates where `kept` (S,) is true, and the others elsewhere."""
+        count = len(kept)
+        return join(self, others).pick(np.where(kept, np.arange(count), count + np.arange(count)))
+
+
+def join(*parts: Candidates) -> Candidates:
+    """One set of candidates out of several."""
+    return Candidates(
+        np.concatenate([p.controls for p in parts]),
+        np.concatenate([p.status for p in parts]),
+        Verdict.join([p.verdict for p in parts]),
+        np.concatenate([p.rank for p in parts]),
+        np.concatenate([p.iterations for p in parts]),
+        np.concatenate([p.sign for p in parts]),
+    )
+
+
+def support_of(task: Task, controls: Floats) -> Mask:
+    """Active groups of one control history, (N, g): g = 1 when an interval counts as one."""
+    active: Mask = np.abs(controls) > task.threshold
+    return np.any(active, axis=-1, keepdims=True) if task.shared else active
+
+
+def _rank(task: Task, controls: Floats, cost: Floats | None) -> Floats:
+    weight = np.asarray(task.arguments.weight)[:, None]
+    supports = np.stack([support_of(task, c) for c in controls])
+    count = supports.sum(axis=(1, 2)).astype(float)
+    effort = task.effort(controls)
+    if cost is not None:
+        return np.stack([cost, count, effort], axis=1)
+    if task.goal.kind == "l1":
+        return np.stack([task.slack_sum(controls), count, effort], axis=1)
+    weighted = (weight * supports).sum(axis=(1, 2))
+    return np.stack([weighted, count, effort], axis=1)
+
+
+def evaluate(
+    task: Task,
+    u: Floats,
+    status: npt.NDArray[np.int64],
+    iterations: npt.NDArray[np.int64],
+    sign: Floats,
+) -> Candidates:
+    """Turn scaled variables into candidates: flown, judged and ranked."""
+    controls = task.to_controls(np.nan_to_num(u))
+    verdict, parts = task.verify(controls)
+    cost = np.sum(list(parts.values()), axis=0) if task.goal.terminal == "penalty" else None
+    lost = ~np.isfinite(u).all(axis=(1, 2))
+    status = np.where(lost, int(Status.NOT_FINITE), status)
+    return Candidates(controls, status, verdict, _rank(task, controls, cost), iterations, sign)
+
+
+def better(a: Floats, b: Floats) -> bool:
+    """Whether rank a is smaller than rank b beyond rounding."""
+    margin = 1e-7 * np.maximum(1.0, np.abs(b))
+    for x, y, m in zip(a, b, margin, strict=True):
+        if abs(x - y) > m:
+            return bool(x < y)
+    return False

@@ -1,0 +1,59 @@
+"""The least final time of a support, with the step as a variable of the programme."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.optimize.augmented_lagrangian.inner import inner_minimiser
+from jaxatt.optimize.augmented_lagrangian.solver import Schedule, Solution, solve
+from jaxatt.problems.hands_off.search.candidates import evaluate, support_of
+from jaxatt.problems.hands_off.search.polish import SLACK
+from jaxatt.problems.hands_off.search.time_cost import Ledger, Offer, Rebuild
+from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
+from jaxatt.problems.hands_off.time_dilation import controls_of, least_time_program, log_ratio
+from jaxatt.runtime.settings import QUICK_TO_COMPILE
+
+_ROUNDS = 6
+_SETTLED = 1e-8
+"""Relative change of the final time at which the tables need not be made again."""
+
+
+@functools.partial(jax.jit, static_argnames=("system",), compiler_options=QUICK_TO_COMPILE)
+def _least_time(
+    system: SparseSystem, x: Array, args: SparseArguments, sign: Array, schedule: Schedule
+) -> Solution:
+    placed = replace(args, plant=system.turned(args.plant, sign))
+    program = least_time_program(system)
+    return solve(program, x, placed, schedule, inner_minimiser("gauss-newton"))
+
+
+def dilate(offer: Offer, rebuild: Rebuild, ledger: Ledger) -> Offer | None:
+    """The same support at its least final time, or None where that was not found or forbidden.
+
+    The programme is solved again, with tables of the final time found, until that stays.
+    """
+    task, answer = offer.task, offer.answer
+    support = support_of(task, answer.controls[0])
+    free = np.broadcast_to(support, answer.controls[0].shape) * np.asarray(task.arguments.free)
+    u = task.from_controls(answer.controls[0])
+    for _ in range(_ROUNDS):
+        args = replace(task.arguments, free=jnp.asarray(free))
+        x = jnp.asarray(np.concatenate([u, np.zeros((len(u), 1))], axis=1))
+        found = _least_time(task.system, x, args, jnp.asarray(answer.sign[0]), SLACK)
+        ratio = math.exp(float(log_ratio(found.x)))
+        u = np.asarray(controls_of(found.x))
+        if not (np.isfinite(u).all() and ratio * task.final_time >= ledger.pricing.lowest):
+            return None
+        task = rebuild(offer.task, ratio * task.final_time)
+        if abs(ratio - 1.0) <= _SETTLED:
+            break
+    status, steps = np.array([int(found.status)]), np.array([int(found.iterations)])
+    ended = evaluate(task, u[None], status, steps, answer.sign)
+    return ledger.offer(task, ended, "least time", exact=True)

@@ -1,0 +1,141 @@
+"""Search under path constraints that cost nothing where they do not bind.
+
+They are left out at first, and only judged; where the flights say that they matter the search is
+made again with them in the way.  Between the nodes a search knows them roughly only, the
+flights exactly: what they find in excess is added to a guard around the limits, and the supports
+that were found are polished again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jaxatt.problems.hands_off.search.candidates import Candidates, better, join, support_of
+from jaxatt.problems.hands_off.search.polish import Method, polish
+from jaxatt.problems.hands_off.search.search import Found, chosen, search
+from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.hands_off.task import Floats, Task, Verdict
+from jaxatt.runtime.chunks import Report, chunk_for
+
+_ROUNDS = 3
+_LITTLE = 0.02
+"""Excess up to which a guard is worth a try: [rad] over a cone, or a share of a rate limit."""
+_BEYOND = 1.2
+"""Times the excess that a guard grows by."""
+
+
+@dataclass(frozen=True)
+class Limited:
+    """Outcome.
+
+    task : as it was searched in the end.  found : what was found.
+    guard : (m + 1,), by how much limits were taken stricter than they are: cones [rad], then the
+        rates, as a share; None where the search did not need them.
+    """
+
+    task: Task
+    found: Found
+    guard: Floats | None
+
+
+def search_within_limits(
+    task: Task,
+    count: int,
+    seed: int,
+    guess: Floats | None = None,
+    inner: str = "auto",
+    report: Report | None = None,
+) -> Limited:
+    """As `search`, of a task whose path constraints are left to its verdict."""
+    if not isinstance(task, SlewTask) or not task.has_path_limits:
+        return Limited(task, search(task, count, seed, guess, inner, report), None)
+    anywhere = search(task.ignoring_path_limits(), count, seed, guess, inner, report)
+    last = Limited(task, _judged(task, anywhere), None)
+    if _violating(last) is None:
+        return last
+    outcomes = [last]
+    for speeds in _speed_limits_tried(task):
+        guard = np.zeros(len(task.pointing.cones) + 1) if task.pointing else None
+        enforced = task.enforcing(guard, speeds)
+        found = search(enforced, count, seed, guess, inner, report)
+        outcomes.append(Limited(enforced, found, guard))
+        for _ in range(_ROUNDS):
+            guard = _grown(outcomes[-1])
+            if guard is None:
+                break
+            enforced = task.enforcing(guard, speeds)
+            found = _polished_again(enforced, found, inner)
+            outcomes.append(Limited(enforced, found, guard))
+        if _violating(outcomes[-1]) is None:
+            break
+    # A guard may cost an answer that the round before it found.
+    reached = [outcome for outcome in outcomes if outcome.found.best.verdict.reached[0]]
+    best = (reached or outcomes[-1:])[0]
+    for other in reached[1:]:
+        if better(other.found.best.rank[0], best.found.best.rank[0]):
+            best = other
+    return best
+
+
+def _judged(task: SlewTask, found: Found) -> Found:
+    """What was found without path constraints with a verdict that has them."""
+
+    def judged(candidates: Candidates) -> Candidates:
+        return replace(candidates, verdict=task.verify(candidates.controls)[0])
+
+    starts, best = judged(found.starts), judged(found.best)
+    return chosen(task, starts, join(starts, best))
+
+
+def _speed_limits_tried(task: SlewTask) -> Iterator[bool]:
+    """Whether wheel speeds, which ask for more states, are enforced too: first without."""
+    if task.pointing:
+        yield False
+    if task.has_speed_limits and not task.form.propelled:
+        yield True
+
+
+def _violating(outcome: Limited) -> Candidates | None:
+    """What would be the answer but for a path constraint, if there is such a thing."""
+    found, soft = outcome.found, outcome.task.goal.terminal == "penalty"
+    pool = join(found.best, found.starts)
+    if not soft:
+        pool = pool.pick(np.flatnonzero(pool.verdict.arrives))
+        if not len(pool.controls):
+            return None
+    first = pool.pick(pool.order(False)[0])
+    if first.verdict.margin_violation[0] <= Verdict.MARGIN_TOLERANCE:
+        return None
+    beaten = soft or not found.best.verdict.reached[0]
+    return first if beaten or better(first.rank[0], found.best.rank[0]) else None
+
+
+def _polished_again(task: SlewTask, found: Found, inner: str) -> Found:
+    """The same supports with the least effort within the limits of a task."""
+    every = join(found.best, found.starts)
+    method = Method(
+        "l1" if task.goal.kind == "l1" else "l0",
+        "gauss-newton" if inner == "auto" else inner,
+        inner == "auto",
+        chunk_for(len(found.starts.controls)),
+    )
+    supports = np.stack([support_of(task, controls) for controls in every.controls])
+    u = task.from_controls(every.controls)
+    polished = polish(task, u, supports, every.sign, method)
+    kept = polished.where(polished.verdict.reached | ~every.verdict.reached, every)
+    starts = kept.pick(np.arange(1, len(every.controls)))
+    return chosen(task, starts, kept)
+
+
+def _grown(outcome: Limited) -> Floats | None:
+    """The guard that what would be the answer asks for; None where there is no need or no use."""
+    first, task, guard = _violating(outcome), outcome.task, outcome.guard
+    if first is None or guard is None or not isinstance(task, SlewTask):
+        return None
+    excess = task.watch(task.fly(first.controls)).excess[0]
+    if not excess.max() > 0.0 or excess.max() > _LITTLE:
+        return None
+    return guard + np.where(excess > 0.0, _BEYOND * excess, 0.0)

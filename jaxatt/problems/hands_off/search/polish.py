@@ -1,0 +1,221 @@
+"""From starts to supports, and from supports to the least effort on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.optimize.augmented_lagrangian.solver import Schedule
+from jaxatt.optimize.reweighting.condensed import SUPPORT_THRESHOLD, Reweighting, SparseRoot
+from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.optimize.status import Status
+from jaxatt.problems.hands_off.search.batch import (
+    Form,
+    Lanes,
+    broadcast_lanes,
+    solve_lanes,
+    sparsify_lanes,
+    spend_least,
+)
+from jaxatt.problems.hands_off.search.bounded_batch import polish_bounded, reweight_bounded
+from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join
+from jaxatt.problems.hands_off.search.staged_batch import solve_staged_lanes, sparsify_staged_lanes
+from jaxatt.problems.hands_off.search.starts import Starts
+from jaxatt.problems.hands_off.sparse_program import SparseArguments
+from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.runtime.chunks import CHUNK, Progress
+
+HOMOTOPY = Schedule(
+    smoothing_start=0.1,
+    smoothing_end=1e-4,
+    smoothing_factor=0.587,
+    max_inner=1,
+    max_iterations=14,
+    update_multipliers=0.0,
+)
+"""Reweighting: one Newton step a smoothing, constraints as penalties."""
+
+POLISH = Schedule(
+    stage_penalty=1e3, smoothing_start=0.03, smoothing_end=1e-4, max_inner=4, max_iterations=60
+)
+"""Least effort on a frozen support, to the full tolerance."""
+
+LEAST = Schedule(smoothing_start=0.1, smoothing_factor=0.45, max_iterations=60)
+"""The same by the primal-dual method."""
+
+SCREENING = 30
+"""Iterations after which a support that is only tried is given up."""
+
+SLACK = Schedule(
+    penalty=1e3, smoothing_start=3.0, smoothing_end=1e-2, max_inner=15, max_iterations=300
+)
+"""The L1 problem with slacks, whose objective is linear: more inner steps, a softer start."""
+
+SETTLE = Reweighting(deciding=0, settling=8)
+"""Least effort on a given support to the accuracy of the Newton steps, to see if it leads there."""
+
+SETTLED = 1e-5
+"""[rad] Rows left before the last step up to which a settled start counts as feasible."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a task is solved.
+
+    decides : "l0" or "l1", what decides the support.
+    inner : name of the inner minimiser of the augmented Lagrangian; "riccati" takes the problem
+        stage by stage, where its support is decided by counting.
+    reweights : whether supports are decided and screened by reweighted Newton steps, where the
+        task's system allows it, instead of by the augmented Lagrangian.
+    rows : starts in one compiled call.  progress : called with the number of starts just ended.
+    """
+
+    decides: str
+    inner: str = "gauss-newton"
+    reweights: bool = True
+    rows: int = CHUNK
+    progress: Progress | None = None
+
+    def form(self, task: Task) -> Form:
+        """What is compiled for a task."""
+        inner = "gauss-newton" if self.inner == "riccati" else self.inner
+        return Form(task.system, task.shared, self.decides == "l1", inner)
+
+    def stages_for(self, task: Task) -> bool:
+        """Whether Riccati steps are taken: by choice, or where path constraints ask for them."""
+        if self.decides != "l0" or task.system.stages is None:
+            return False
+        return self.inner == "riccati" or (self.reweights and task.system.response is None)
+
+    def reweights_for(self, task: Task) -> bool:
+        """Whether reweighting is chosen and applies."""
+        by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
+        by_pulses |= task.system.bounds is not None
+        return by_pulses or self.stages_for(task)
+
+    def spends_least_for(self, task: Task) -> bool:
+        """Whether supports are polished by the primal-dual method.
+
+        The printed cost may rest where its rows do not vanish, which asks for a line search.
+        """
+        by_pulses = self.reweights_for(task) and not self.stages_for(task)
+        return by_pulses and task.system.bounds is None and task.goal.terminal == "reach"
+
+
+def count_arguments(task: Task) -> SparseArguments:
+    """Arguments with which the count of active intervals is minimised."""
+    return replace(task.arguments, count_scale=jnp.asarray(task.sparsity_weight))
+
+
+def effort_arguments(task: Task) -> SparseArguments:
+    """Arguments with which the L1 effort is minimised."""
+    scale = task.effort_weight if task.goal.terminal == "penalty" else 1.0
+    return replace(task.arguments, count_scale=jnp.asarray(0.0), effort_scale=jnp.asarray(scale))
+
+
+def _free(task: Task, support: Mask) -> Floats:
+    """Variables free on a support (..., N, g), without those that are forbidden."""
+    full = np.broadcast_to(support, (*support.shape[:-1], task.size))
+    return full * np.asarray(task.arguments.free)
+
+
+def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
+    """Reweighted Newton steps for all lanes, by pulses or stage by stage."""
+    run = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
+    if task.system.bounds is not None:
+        run = reweight_bounded
+    arguments = count_arguments(task)
+    return run(method.form(task), lanes, arguments, settings, method.progress, method.rows)
+
+
+def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
+    """Scaled controls and the support they suggest, one for every start."""
+    count = len(starts.u)
+    free = np.broadcast_to(np.asarray(task.arguments.free), starts.u.shape)
+    weight = np.asarray(task.arguments.weight)
+    if weight.min() < weight.max():
+        cheap = (weight < weight.max())[None, :, None]
+        free = np.where(starts.confined[:, None, None], free * cheap, free)
+    rows = np.broadcast_to(np.asarray(task.arguments.row_weight), (count, task.rows)).copy()
+    rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
+    if task.system.bounds is not None and method.decides == "l1":
+        return starts.u * free, np.any(free > 0.0, axis=-1, keepdims=True)
+    form, lanes = method.form(task), Lanes(starts.u * free, free, rows, starts.sign)
+    if method.reweights_for(task):
+        found = reweight(task, lanes, method, Reweighting())
+        u = np.nan_to_num(np.asarray(found.u))
+        active: Mask = np.asarray(found.support) > 0
+        return u, np.any(active, axis=-1, keepdims=True) if task.shared else active
+    solution = solve_lanes(
+        form,
+        lanes,
+        effort_arguments(task) if form.slacks else count_arguments(task),
+        SLACK if form.slacks else HOMOTOPY,
+        method.progress,
+        method.rows,
+    )
+    u = np.nan_to_num(solution.x)
+    size = np.abs(u).max(axis=-1, keepdims=True) if task.shared else np.abs(u)
+    return u, size > SUPPORT_THRESHOLD
+
+
+def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
+    """As `polish`, but soon given up: most neighbours of a good support lead nowhere."""
+    if not method.reweights_for(task):
+        return polish(task, u, supports, sign, method, SCREENING)
+    free = _free(task, supports)
+    lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
+    found = reweight(task, lanes, method, SETTLE)
+    arrived = np.asarray(found.residual) <= SETTLED
+    status = np.where(arrived, int(Status.FEASIBLE), int(Status.ITERATION_LIMIT))
+    settled = evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)
+    stuck = np.flatnonzero(~arrived & np.asarray(found.saturated))
+    if not len(stuck):
+        return settled
+    # Limits that bind nearly everywhere are beyond these Newton steps, not beyond the polish.
+    again = polish(task, u[stuck], supports[stuck], sign[stuck], method, SCREENING)
+    kept = np.setdiff1d(np.arange(len(u)), stuck)
+    return join(settled.pick(kept), again).pick(np.argsort(np.concatenate([kept, stuck])))
+
+
+def polish(
+    task: Task,
+    u: Floats,
+    supports: Mask,
+    sign: Floats,
+    method: Method,
+    most: int | None = None,
+) -> Candidates:
+    """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers.
+
+    most : iterations; by default as many as a full polish may take.
+    """
+    free = _free(task, supports)
+    form = method.form(task)
+    if task.system.bounds is not None:
+        lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
+        return polish_bounded(
+            task, form, lanes, count_arguments(task), method.progress, method.rows
+        )
+    solve: Callable[..., Any] = solve_lanes
+    schedule = SLACK if form.slacks else POLISH
+    if method.stages_for(task):
+        solve = solve_staged_lanes
+    elif method.spends_least_for(task):
+        solve, schedule = spend_least, LEAST
+    solution = solve(
+        form,
+        broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
+        effort_arguments(task),
+        schedule if most is None else replace(schedule, max_iterations=most),
+        method.progress,
+        method.rows,
+    )
+    x, status, iterations = (
+        np.asarray(leaf) for leaf in (solution.x, solution.status, solution.iterations)
+    )
+    return evaluate(task, x, status, iterations, sign)

@@ -1,0 +1,150 @@
+"""Multi-start search for the sparsest control.
+
+1. From every start a homotopy of reweighted Newton steps decides which intervals are active.
+2. The support is frozen and the L1 effort is minimised on it, with all constraints.
+3. The best supports found are improved by dropping and moving single intervals.
+4. Every answer is flown again; only those flights are ranked and reported.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.optimize.status import Status
+from jaxatt.problems.hands_off.search.ahead import compiled_ahead
+from jaxatt.problems.hands_off.search.bounded_search import from_bounded_starts, search_bounded
+from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
+from jaxatt.problems.hands_off.search.enumeration import from_pairs
+from jaxatt.problems.hands_off.search.local_search import improve
+from jaxatt.problems.hands_off.search.polish import Method, decide, polish
+from jaxatt.problems.hands_off.search.starts import draw
+from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.runtime.chunks import Report, chunk_for
+
+_IMPROVED = 2
+
+
+@dataclass(frozen=True)
+class Found:
+    """Outcome of a search.
+
+    starts : one candidate a start.  best : the answer (S = 1), maybe better than every start.
+    reaching : the best that reaches the target, None if nothing does.
+    distinct_minima : different answers among the starts that reached the target.
+    resting_cost : the printed cost of doing nothing, where the printed cost is minimised.
+    """
+
+    starts: Candidates
+    best: Candidates
+    reaching: Candidates | None
+    distinct_minima: int
+    resting_cost: float | None = None
+
+
+def search(
+    task: Task,
+    count: int,
+    seed: int,
+    guess: Floats | None = None,
+    inner: str = "auto",
+    report: Report | None = None,
+) -> Found:
+    """Find the best control of a task from `count` starts.
+
+    guess : (N, b), the system's controls to start from; random pulses without it.
+    inner : "auto" decides supports by reweighted Newton steps where that applies; the name of an
+        inner minimiser lets the augmented Lagrangian do all of it.  "riccati" reweights and
+        polishes stage by stage; "auto" does so where path constraints rule out pulses.
+    """
+    if task.system.bounds is not None and inner != "auto":
+        raise ValueError(f'inner = {inner!r}: thrusters have a method of their own; choose "auto"')
+    if inner == "riccati" and task.system.stages is None:
+        raise ValueError("inner = 'riccati': this problem has no stages; choose \"auto\"")
+
+    def method(decides: str, stage: str) -> Method:
+        progress = None if report is None else lambda done: report(stage, done)
+        reweights = inner == "auto"
+        name = "gauss-newton" if reweights else inner
+        return Method(decides, name, reweights, chunk_for(count), progress)
+
+    def from_starts(decides: str) -> Candidates:
+        u, supports = decide(task, starts, method(decides, "deciding which intervals are active"))
+        return polish(task, u, supports, starts.sign, method(decides, "polishing"))
+
+    if task.system.bounds is not None:
+        found = search_bounded(task, count, seed, guess, method)
+        return chosen(task, found.starts, found.pool)
+    scaled = None if guess is None else task.from_controls(guess)
+    first = "l1" if task.goal.kind == "l1" else "l0"
+    with compiled_ahead(task, method(first, "")):
+        starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
+        ended = from_starts(first)
+    pool = ended
+    if task.goal.kind != "l1" and not ended.verdict.reached.any():
+        # Where counting leads nowhere, the L1 optimum is the source's own guess for the support.
+        rescued = from_starts("l1")
+        if rescued.verdict.reached.any():
+            pool = ended = rescued
+        elif pairs := _pairs(task, method("l0", "trying pairs of intervals"), count):
+            u, supports = pairs
+            way = np.ones(len(u))
+            pool = join(ended, polish(task, u, supports, way, method("l0", "polishing")))
+
+    reached_first = task.goal.terminal == "reach"
+    if not reached_first:
+        pool = join(pool, _resting(task))
+    if task.goal.kind != "l1":
+        moving = method("l0", "moving single intervals")
+        order = pool.order(reached_first)[:_IMPROVED]
+        usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
+        tried: set[bytes] = set()
+        pool = join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
+    return chosen(task, ended, pool)
+
+
+def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
+    """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
+    reached_first = task.goal.terminal == "reach"
+    resting_cost = None
+    if not reached_first:
+        resting = _resting(task)
+        resting_cost = float(resting.rank[0, 0])
+        pool = join(pool, resting)
+    best = pool.pick(pool.order(reached_first)[0])
+    first = pool.pick(pool.order(True)[0])
+    reaching = first if bool(first.verdict.reached[0]) else None
+    return Found(starts, best, reaching, _distinct(task, starts), resting_cost)
+
+
+def look(task: Task, count: int, seed: int) -> Candidates:
+    """What `count` starts find by themselves: nothing is rescued, moved or improved."""
+    decides = "l1" if task.goal.kind == "l1" else "l0"
+    rows = chunk_for(count)
+    if task.system.bounds is not None:
+        return from_bounded_starts(task, count, seed, None, lambda d, _: Method(d, rows=rows))
+    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability())
+    u, supports = decide(task, starts, Method(decides, rows=rows))
+    return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
+
+
+def _pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:
+    return from_pairs(task, method, count) if method.reweights_for(task) else None
+
+
+def _distinct(task: Task, candidates: Candidates) -> int:
+    seen = set()
+    for index in np.flatnonzero(candidates.verdict.reached):
+        support = support_of(task, candidates.controls[index])
+        effort = task.effort(candidates.controls[index : index + 1])[0]
+        seen.add((support.tobytes(), f"{effort:.3g}"))
+    return len(seen)
+
+
+def _resting(task: Task) -> Candidates:
+    """The answer that does nothing, which a printed cost may prefer."""
+    nothing = np.zeros((1, task.intervals, task.size))
+    status = np.array([int(Status.FEASIBLE)])
+    return evaluate(task, nothing, status, np.zeros(1, int), np.ones(1))

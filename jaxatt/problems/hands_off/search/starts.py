@@ -1,0 +1,73 @@
+"""Starting points; start i depends on the seed and on i, never on how many there are."""
+
+from __future__ import annotations
+
+import functools
+from statistics import NormalDist
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.settings import QUICK_TO_COMPILE
+
+_AMPLITUDE = 0.003
+_SPREAD = 1.5
+_RELATIVE_NOISE = 0.3
+
+
+class Starts(NamedTuple):
+    """S starts.
+
+    u : (S, N, b), scaled controls.  sign : (S,), -1 to aim the long way round.
+    confined : (S,), whether to look inside the cheap windows only at first.
+    """
+
+    u: Floats
+    sign: Floats
+    confined: np.ndarray
+
+
+@functools.partial(jax.jit, static_argnames=("count", "length"), compiler_options=QUICK_TO_COMPILE)
+def _normals(seed: int, count: int, length: int) -> Array:
+    """Standard normals (count, length); row i depends on the seed and i alone."""
+    key = jax.random.key(seed)
+    return jax.vmap(lambda i: jax.random.normal(jax.random.fold_in(key, i), (length,)))(
+        jnp.arange(count)
+    )
+
+
+def draw(
+    seed: int,
+    count: int,
+    intervals: int,
+    size: int,
+    long_way_probability: float,
+    guess: Floats | None = None,
+) -> Starts:
+    """Random pulses of log-normal height, or a guess with random relative changes.
+
+    guess : (N, b) scaled controls, e.g. of a PD or L1 solution or the user's own; start 0 is the
+    guess itself.
+    """
+    per_start = intervals * (size + 1) + 2
+    normals = np.asarray(_normals(seed, count, per_start))
+    pulses = normals[:, 2:].reshape(count, intervals, size + 1)
+    direction, height = pulses[..., :size], np.exp(_SPREAD * pulses[..., size:])
+    if guess is None:
+        u = _AMPLITUDE * direction * height
+    else:
+        change = np.where(np.arange(count)[:, None, None] == 0, 0.0, direction)
+        u = guess[None] * (1.0 + _RELATIVE_NOISE * change)
+    sign = np.where(normals[:, 0] < _quantile(long_way_probability), -1.0, 1.0)
+    return Starts(u, sign, normals[:, 1] < 0.0)
+
+
+def _quantile(probability: float) -> float:
+    """What a standard normal stays below with this probability."""
+    if not 0.0 < probability < 1.0:
+        return np.inf if probability >= 1.0 else -np.inf
+    return NormalDist().inv_cdf(probability)

@@ -1,0 +1,182 @@
+"""Slew of a spacecraft with reaction wheels, as the solver sees it.
+
+The decision variables are scaled control torques, in body axes (mapped to the wheels by the
+Moore-Penrose allocation) or directly in wheel axes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.attitude import quaternion
+from jaxatt.environment.table import EnvironmentTable
+from jaxatt.problems.pointing.cones import PointingPath
+from jaxatt.simulation import momentum_model
+from jaxatt.simulation.momentum_model import BodyParameters
+
+RATE_SCALE = 10.0
+"""[s] A rate error of 1 rad/s counts as 10 rad: over the last ten seconds it would turn as much."""
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class SlewParameters:
+    """All numbers of a slew; every leaf may be batched, swept or differentiated.
+
+    body : inertias.  table : environment along the orbit.
+    start : (7,), q_ib and omega_ib [rad/s] at the first node.
+    momentum : (3,) [N m s], total momentum at the first node, in inertial axes; where thrusters
+        act, in body axes.
+    reference : (4,), target q_ob; its sign selects the way round.
+    reference_rate : (3,) [rad/s], target omega_ob.
+    waypoint : (4,), attitude at `waypoint_node`; waypoint_node : () int, in 1 .. N.
+    to_body : (3, b) [N m], body torque of a unit of the scaled controls.
+    to_external : (3, b) [N m], body torque of thrusters of a unit of the scaled controls.
+    to_wheels : (n, b), wheel torques in units of their limits.
+    lower, upper : (b,), limits of the scaled controls; infinite where they have none of their own.
+    step : () [s], length of an interval.
+    wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
+    wheel_torque : (n, b) [N m], wheel torques of a unit of the controls;
+    speed_limit : (n,) [rad/s].
+    pointing : cones and rate limits along the slew.
+    """
+
+    body: BodyParameters
+    table: EnvironmentTable
+    start: Array
+    momentum: Array
+    reference: Array
+    reference_rate: Array
+    waypoint: Array
+    waypoint_node: Array
+    to_body: Array
+    to_external: Array
+    to_wheels: Array
+    lower: Array
+    upper: Array
+    step: Array
+    wheel_speed: Array
+    wheel_axes: Array
+    wheel_inertia: Array
+    wheel_torque: Array
+    speed_limit: Array
+    pointing: PointingPath
+
+
+@dataclass(frozen=True)
+class SlewForm:
+    """What is compiled in: which terms a slew has.
+
+    gyroscopic : whether the total momentum is so large that `pulse_equations` does not hold.
+    propelled : whether thrusters act, which change the total momentum.
+    pointed : whether cones or rate limits are enforced.
+    """
+
+    disturbed: bool = False
+    has_waypoint: bool = False
+    speed_limited: bool = False
+    gyroscopic: bool = False
+    propelled: bool = False
+    pointed: bool = False
+
+    @property
+    def path_limited(self) -> bool:
+        """Whether anything but the controls is limited on the way."""
+        return self.speed_limited or self.pointed
+
+
+def attitude_row(reference: Array, q: Array) -> Array:
+    """4 sin(phi/4) about the error's axis, (3,), smooth on the whole way from 0 to 2 pi.
+
+    Its squared norm is 8 (1 - |q' q_ref|), so the attitude cost g of (5.2) is an eighth of it.
+    """
+    error = quaternion.multiply(quaternion.conjugate(reference), q)
+    return 2.0 * error[1:] * jnp.sqrt(2.0 / jnp.maximum(1.0 + error[0], 1e-12))
+
+
+def body_torque(u: Array, p: SlewParameters) -> Array:
+    """Torque on the wheels in body axes of scaled controls, (N, 3) [N m]."""
+    # Not a product of matrices: elementwise, the batch axis stays where `vmap` has put it.
+    torque = u[:, :1] * p.to_body[None, :, 0]
+    for c in range(1, u.shape[1]):
+        torque = torque + u[:, c, None] * p.to_body[None, :, c]
+    return torque
+
+
+def fly_nodes(
+    u: Array, p: SlewParameters, form: SlewForm
+) -> tuple[momentum_model.Components, Array]:
+    """Roll-out of scaled controls: states at the last node and at 1 to N, see `rollout`."""
+    start = tuple(p.start[i] for i in range(7))
+    momentum = tuple(p.momentum[i] for i in range(3))
+    torque = body_torque(u, p)
+    return momentum_model.rollout(start, momentum, torque, p.table, p.body, form.disturbed)
+
+
+def inertial_reference(p: SlewParameters) -> Array:
+    """Target q_ib at the last node, (4,); its sign selects the way round."""
+    return quaternion.multiply(p.table.nodes.orbit_attitude[-1], p.reference)
+
+
+def inertial_waypoint(p: SlewParameters) -> Array:
+    """Waypoint's q_ib at its node, (4,)."""
+    return quaternion.multiply(p.table.nodes.orbit_attitude[p.waypoint_node], p.waypoint)
+
+
+def rate_row(q_ib: Array, omega_ib: Array, p: SlewParameters) -> Array:
+    """Error of the rate relative to the orbit frame at the last node, (3,), scaled."""
+    nodes = p.table.nodes
+    orbit_rate_i = quaternion.rotate(nodes.orbit_attitude[-1], nodes.orbit_rate[-1])
+    relative = omega_ib - quaternion.rotate_inverse(q_ib, orbit_rate_i)
+    return RATE_SCALE * (relative - p.reference_rate)
+
+
+def terminal_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
+    """Attitude and rate errors at the last node, then the attitude error at the waypoint.
+
+    Returns (6,) or (9,): [rad], `RATE_SCALE` x [rad/s], [rad].
+    """
+    end, nodes = fly_nodes(u, p, form)
+    q = jnp.stack(end[:4])
+    rows = [attitude_row(inertial_reference(p), q), rate_row(q, jnp.stack(end[4:7]), p)]
+    if form.has_waypoint:
+        rows.append(attitude_row(inertial_waypoint(p), nodes[p.waypoint_node - 1, :4]))
+    return jnp.concatenate(rows)
+
+
+def wheel_speeds(u: Array, p: SlewParameters, form: SlewForm) -> Array:
+    """Wheel speeds at nodes 1 to N, (N, n) [rad/s].
+
+    Integral of (4.20d): J_w (omega_bw - omega_bw(0)) is the impulse on the wheel less
+    J_w A' (omega_ib - omega_ib(0)).
+    """
+    omega = fly_nodes(u, p, form)[1][:, 4:7]
+    impulse = jnp.cumsum(u @ p.wheel_torque.T, axis=0) * p.step
+    return (
+        p.wheel_speed[None]
+        + impulse / p.wheel_inertia[None]
+        - (omega - p.start[None, 4:]) @ p.wheel_axes
+    )
+
+
+def speed_margins(u: Array, p: SlewParameters, form: SlewForm) -> Array:
+    """Distance of every wheel speed to its limits, in units of the limit; (0,) without limits."""
+    if not form.speed_limited:
+        return jnp.zeros((0,), u.dtype)
+    relative = wheel_speeds(u, p, form) / p.speed_limit[None]
+    return jnp.concatenate([(1.0 - relative).ravel(), (1.0 + relative).ravel()])
+
+
+def bound_margins(u: Array, p: SlewParameters) -> Array:
+    """Distance of every scaled control to its own limits, (N, 2 b)."""
+    return jnp.concatenate([p.upper[None] - u, u - p.lower[None]], axis=1)
+
+
+def torque_margins(u: Array, p: SlewParameters) -> Array:
+    """Distance of every wheel torque to its limits, in units of the limit, (N, 2 n)."""
+    relative = u @ p.to_wheels.T
+    return jnp.concatenate([1.0 - relative, 1.0 + relative], axis=1)

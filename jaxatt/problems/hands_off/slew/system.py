@@ -1,0 +1,66 @@
+"""The slew as a system for sparse control, with the terms of its form compiled in."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.reweighting.equations import Equations
+from jaxatt.problems.hands_off.slew.model import (
+    SlewForm,
+    SlewParameters,
+    bound_margins,
+    terminal_rows,
+    torque_margins,
+)
+from jaxatt.problems.hands_off.slew.pointing_path import path_margins
+from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
+from jaxatt.problems.hands_off.slew.response import slew_response
+from jaxatt.problems.hands_off.slew.stages import slew_stages
+from jaxatt.problems.hands_off.slew.thruster_path import path_response
+from jaxatt.problems.hands_off.slew.thruster_response import propelled_response, propelled_rows
+from jaxatt.problems.hands_off.sparse_program import SparseSystem
+
+
+def _equations(
+    form: SlewForm, u: Array, weights: Array, moved: Array, accurate: Array, p: SlewParameters
+) -> Equations:
+    return pulse_equations(u, weights, moved, accurate, p, form)
+
+
+def _stretched(p: SlewParameters, ratio: Array) -> SlewParameters:
+    table = replace(p.table, substep=p.table.substep * ratio)
+    return replace(p, step=p.step * ratio, table=table)
+
+
+@functools.cache
+def slew_system(form: SlewForm) -> SparseSystem:
+    """The slew as a system for sparse control, with the terms of `form` compiled in."""
+    if form.propelled:
+        return SparseSystem(
+            rows=lambda u, p: propelled_rows(u, p, form),
+            margins=lambda u, p: jnp.zeros((0,), u.dtype),
+            stage_margins=bound_margins,
+            turned=lambda p, sign: replace(p, reference=p.reference * sign),
+            stretched=_stretched,
+            response=lambda u, p: propelled_response(u, p, form),
+            bounds=lambda p: (p.lower, p.upper),
+            path=(lambda u, p: path_response(u, p, form)) if form.pointed else None,
+            label=repr(form),
+        )
+    by_pulses = not (form.gyroscopic or form.path_limited)
+    return SparseSystem(
+        rows=lambda u, p: terminal_rows(u, p, form),
+        margins=lambda u, p: path_margins(u, p, form),
+        stage_margins=torque_margins,
+        turned=lambda p, sign: replace(p, reference=p.reference * sign),
+        stretched=_stretched,
+        response=None if form.path_limited else lambda u, p: slew_response(u, p, form),
+        equations=functools.partial(_equations, form) if by_pulses else None,
+        limits=lambda p: p.to_wheels,
+        stages=functools.partial(slew_stages, form),
+        label=repr(form),
+    )

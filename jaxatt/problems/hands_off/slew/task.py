@@ -1,0 +1,350 @@
+"""A slew of a spacecraft: arguments for the solver, and its judge."""
+
+from __future__ import annotations
+
+import copy
+import functools
+from concurrent.futures import Executor
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.attitude import errors
+from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
+from jaxatt.problems.hands_off.printed_cost import partly_open, support_cost
+from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew_parameters
+from jaxatt.problems.hands_off.slew.model import SlewForm
+from jaxatt.problems.hands_off.slew.mounting import mounting
+from jaxatt.problems.hands_off.slew.system import slew_system
+from jaxatt.problems.hands_off.task import Flags, Floats, Goal, Task, Verdict
+from jaxatt.problems.manoeuvre import (
+    Aim,
+    Departure,
+    Grid,
+    Passage,
+    automatic_substeps,
+    long_way_probability,
+)
+from jaxatt.problems.pointing.case import FREE, Pointing
+from jaxatt.problems.pointing.watch import Lookout, Watch
+from jaxatt.runtime.chunks import CHUNK, in_chunks
+from jaxatt.runtime.compilation import Routine
+from jaxatt.runtime.settings import RUNS_ONCE
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
+from jaxatt.simulation.pulse_flight import fly_pulses
+from jaxatt.simulation.pulses import Pulses, split
+from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.vehicle import Spacecraft
+
+_SMALL_GYROSCOPIC_TURN = 0.5
+"""|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
+
+
+def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
+    """As `_compare`, for (4,) and (S, 4), on the host."""
+    return in_chunks(lambda chunk: _compare(q_ref, chunk), q, key="compare")
+
+
+_turn = jax.jit(errors.rotation_vector, compiler_options=RUNS_ONCE)
+
+
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
+def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
+    """Angle [rad] and smoothed metric g (5.2) between attitudes."""
+    return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
+
+
+@Routine
+def _fly_many(
+    craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
+) -> Trajectory:
+    return jax.vmap(lambda one: fly_torque(craft, start, one, table))(torque)
+
+
+_fly_pulses = jax.jit(fly_pulses, static_argnums=6)
+_COARSE_PIECES = 4
+
+
+class SlewTask(Task):
+    """One slew, or one leg of several.
+
+    craft : vehicle.  departure, aim, passage : where it begins, ends and passes.
+    axes : "body" or "wheels", the axes of the decision variables.
+    weight : (N,), h_k.  forbidden : (N,), intervals without torque.
+    enforce_speed_limits : False to leave wheel speed limits to the verdict, which always has them.
+    pointing : cones and rate limits; left to the verdict until `enforcing` puts them in the way.
+    """
+
+    threshold = 1e-6
+
+    def __init__(
+        self,
+        craft: Spacecraft,
+        surroundings: Surroundings,
+        departure: Departure,
+        aim: Aim,
+        grid: Grid,
+        goal: Goal,
+        weight: Floats,
+        forbidden: Flags,
+        passage: Passage | None = None,
+        axes: str = "body",
+        enforce_speed_limits: bool = True,
+        pointing: Pointing = FREE,
+    ):
+        self.craft, self.departure, self.aim, self.goal = craft, departure, aim, goal
+        self.grid, self.passage, self.axes = grid, passage, axes
+        self.intervals, self.step = grid.intervals, grid.step
+        substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
+        fine = substeps * int(np.ceil(MINIMUM_SUBSTEPS / substeps))
+        self.table = tabulate(
+            surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
+        )
+        self.substeps = substeps
+        first = jax.tree.map(lambda leaf: leaf[0], self.table.nodes)
+        beginning = begin(craft, departure.q_ob, departure.omega_ob, departure.omega_bw, first)
+        self.start = beginning.state
+        self.pointing = pointing
+        self.guard: Floats | None = None
+        self.judges_path = True
+        self.lookout = Lookout(self.table, pointing, grid.start_time)
+        self.mounting = mounting(craft, axes)
+        self.scale = self.mounting.scale
+        self.size = len(self.scale)
+        form = SlewForm(
+            disturbed=bool(surroundings.gravity_gradient) or bool(surroundings.sine_amplitude),
+            has_waypoint=passage is not None,
+            speed_limited=enforce_speed_limits
+            and self.has_speed_limits
+            and craft.thrusters.count == 0,
+            gyroscopic=self._gyroscopic_turn(beginning.momentum) > _SMALL_GYROSCOPIC_TURN,
+            propelled=craft.thrusters.count > 0,
+        )
+        self.form, self.system = form, slew_system(form)
+        if goal.terminal == "penalty":
+            self.sparsity_weight = goal.weights.sparsity
+            l1 = goal.kind == "l1"
+            # On a frozen support the effort only breaks ties of the printed cost.
+            self.effort_weight = goal.weights.sparsity * float(self.scale.max()) if l1 else 1e-4
+        plant = slew_parameters(
+            craft,
+            self.mounting,
+            beginning,
+            coarsen(self.table, self.intervals, substeps),
+            aim,
+            passage,
+            grid.step,
+            form,
+        )
+        self.arguments = slew_arguments(plant, self.mounting, goal, weight, forbidden, form, axes)
+
+    def enforcing(self, guard: Floats | None, speeds: bool) -> SlewTask:
+        """The same slew with path constraints in the way of the search, not left to the verdict.
+
+        guard : (m + 1,), how much stricter cones [rad] and rates (a share) are taken than they are;
+        None leaves them to the verdict.  speeds : whether wheel speed limits are enforced.
+        """
+        other = copy.copy(self)
+        other.guard = guard
+        speeds = speeds and self.has_speed_limits and not self.form.propelled
+        other.form = replace(self.form, speed_limited=speeds, pointed=guard is not None)
+        other.system = slew_system(other.form)
+        if guard is not None:
+            path = self.pointing.path(self.lookout.at_nodes(self.intervals), guard)
+            plant = replace(self.arguments.plant, pointing=path)
+            other.arguments = replace(self.arguments, plant=plant)
+        return other
+
+    def ignoring_path_limits(self) -> SlewTask:
+        """The same slew where nothing but the controls is limited, not even in the verdict."""
+        other = self.enforcing(None, False)
+        other.judges_path = False
+        return other
+
+    @property
+    def watches(self) -> bool:
+        """Whether flights are looked at between the nodes."""
+        return bool(self.pointing) and self.judges_path
+
+    @property
+    def has_path_limits(self) -> bool:
+        """Whether anything but the controls is limited on the way."""
+        return bool(self.pointing) or (self.has_speed_limits and not self.form.propelled)
+
+    @property
+    def has_speed_limits(self) -> bool:
+        """Whether any wheel has a speed limit."""
+        return bool(np.isfinite(self.craft.wheels.speed_limit).any())
+
+    def _gyroscopic_turn(self, momentum: Array) -> float:
+        """|H| T over the least moment of inertia: how far the momentum could turn the body."""
+        least = np.linalg.eigvalsh(np.asarray(self.craft.inertia_without_spin)).min()
+        return float(np.linalg.norm(momentum)) * self.intervals * self.step / float(least)
+
+    def to_controls(self, u: Floats | Array) -> Floats:
+        """Torques in the optimisation's axes [N m], within limits, thresholded."""
+        bounded = np.clip(np.asarray(u, float), self.mounting.lower, self.mounting.upper)
+        torque = bounded * self.scale
+        size = _largest(torque) if self.shared else np.abs(torque)
+        torque = np.where(size <= self.threshold, 0.0, torque)
+        if self.craft.wheels.count == 0:
+            return np.asarray(torque)
+        relative = self.wheel_torque(torque) / np.asarray(self.craft.wheels.torque_limit)
+        return np.asarray(torque / np.maximum(1.0, _largest(relative)))
+
+    def from_controls(self, controls: Floats) -> Floats:
+        """Scaled variables from torques in the optimisation's axes [N m]."""
+        return np.asarray(controls / self.scale)
+
+    def wheel_torque(self, controls: Floats) -> Floats:
+        """Wheel torques (..., N, n) [N m]."""
+        return np.asarray(controls @ self.mounting.to_wheel.T)
+
+    def thrust(self, controls: Floats) -> Floats:
+        """Torque of each thruster (..., N, m) [N m]."""
+        return np.asarray(controls @ self.mounting.to_thrust.T)
+
+    def body_torque(self, controls: Floats) -> Floats:
+        """Torque on the wheels in body axes, (..., N, 3) [N m]."""
+        return np.asarray(controls @ self.mounting.to_body.T)
+
+    def external_torque(self, controls: Floats) -> Floats:
+        """Torque of the thrusters in body axes, (..., N, 3) [N m]."""
+        return np.asarray(controls @ self.mounting.to_external.T)
+
+    def fly(self, controls: Floats) -> Trajectory:
+        """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
+        start, craft, every = self.start, self.craft, self.lookout.every
+        watched = self.watches
+        table = self.lookout.fine if watched else self.table
+        torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
+        if watched:
+            torque = np.repeat(torque, every, axis=1)
+        flown: Trajectory = in_chunks(
+            lambda chunk: _fly_many(craft, start, chunk, table),
+            torque,
+            key=("fly", torque.shape[1:], table.stages.gradient.shape),
+        )
+        return at_nodes(flown, every) if watched else flown
+
+    def begin_verifying(self, pool: Executor) -> None:
+        """Compile ahead what `fly` runs."""
+        every = self.lookout.every if self.watches else 1
+        table = self.lookout.fine if self.watches else self.table
+        torque = np.zeros((CHUNK, self.intervals * every, self.craft.actuators))
+        _fly_many.begin(pool, self.craft, self.start, torque, table)
+
+    def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
+        """Fly openings of valves at their exact times on the full model, then coast.
+
+        coarse : with few Runge-Kutta steps, for iterations; at least 20 an interval otherwise.
+        """
+        table, pieces = self.table, _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS
+        watched = self.watches and not coarse
+        if watched:
+            pulses, table, pieces = split(pulses, self.lookout.every), self.lookout.fine, 1
+        flown: Trajectory = _fly_pulses(
+            self.craft,
+            self.start,
+            jnp.asarray(pulses.wheel_torque),
+            jnp.asarray(pulses.opens),
+            jnp.asarray(pulses.shuts),
+            table,
+            pieces,
+        )
+        flown = jax.tree.map(np.asarray, flown)
+        return at_nodes(flown, self.lookout.every) if watched else flown
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
+        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+
+    def end_errors(self, q_ob: Floats | Array, omega_ob: Floats | Array) -> dict[str, Floats]:
+        """Errors (S,) of flights (S, nodes, ...) at the end of the horizon, as `tolerances`."""
+        end = self.intervals
+        return {
+            "attitude": _compared(self.aim.q_ob, q_ob[:, end])[0],
+            "rate": np.linalg.norm(omega_ob[:, end] - self.aim.omega_ob, axis=-1),
+        }
+
+    def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
+        """Errors of a flight at the end of the horizon and at the waypoint."""
+        end = self.intervals
+        found, tolerances = self.end_errors(flown.q_ob, flown.omega_ob), self.tolerances
+        if self.passage is not None:
+            q = flown.q_ob[:, self.passage.node]
+            found["waypoint"] = _compared(self.passage.q_ob, q)[0]
+            tolerances["waypoint"] = self.passage.tolerance
+        wheels, thrusters = self.craft.wheels, self.craft.thrusters
+        wheel, thrust = self.wheel_torque(controls), self.thrust(controls)
+        excess = np.concatenate(
+            [
+                np.abs(wheel) - np.asarray(wheels.torque_limit),
+                np.maximum(thrust - np.asarray(thrusters.torque_limit), -thrust),
+            ],
+            axis=-1,
+        )
+        path = np.zeros(len(controls))
+        if self.watches:
+            path = self.watch(flown).violation
+        speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
+        return Verdict(
+            found,
+            tolerances,
+            np.maximum(0.0, excess.max(axis=(1, 2))),
+            np.maximum(path, speed.max(axis=(1, 2), initial=0.0) * self.judges_path),
+        )
+
+    def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
+        """Fly the torques again on the full model and judge the flights."""
+        flown = self.fly(controls)
+        return self.judge(flown, controls), self.cost(flown, controls)
+
+    def effort(self, controls: Floats) -> Floats:
+        """Sum over intervals and body axes of |tau| h, (S,) [N m s]."""
+        wheels = np.abs(self.body_torque(controls)).sum(axis=(-2, -1))
+        pushes = np.abs(self.mounting.to_external).sum(axis=0)
+        return np.asarray((wheels + (np.abs(controls) @ pushes).sum(axis=-1)) * self.step)
+
+    def watch(self, flown: Trajectory) -> Watch:
+        """Cones and rates along flights (S, ...), between the nodes too, to the horizon's end."""
+        return self.lookout.watch(flown, self.intervals)
+
+    def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
+        """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""
+        w, end = self.goal.weights, self.intervals
+        rate = flown.omega_ob[:, end] - self.aim.omega_ob
+        parts = {
+            "rate": w.rate * np.sum(rate**2, axis=-1),
+            "attitude": w.attitude * _compared(self.aim.q_ob, flown.q_ob[:, end])[1],
+        }
+        if self.passage is not None:
+            q = flown.q_ob[:, self.passage.node]
+            parts["waypoint"] = w.waypoint * _compared(self.passage.q_ob, q)[1]
+        if self.goal.kind == "l1":
+            parts["l1"] = w.sparsity * self.slack_sum(controls)
+        else:
+            weight = np.asarray(self.arguments.weight)
+            parts["sparsity"] = w.sparsity * support_cost(controls, self.goal, weight)
+        if self.form.propelled and w.on_off > 0.0:
+            limit = np.asarray(self.craft.thrusters.torque_limit)
+            parts["on_off"] = w.on_off * partly_open(
+                controls, self.thrust(controls), limit, self.goal
+            )
+        return parts
+
+    def long_way_probability(self) -> float:
+        """See `slew_case.long_way_probability`."""
+        turn = np.asarray(_turn(self.start.q_ob, self.aim.q_ob))
+        rate, duration = self.departure.omega_ob, self.intervals * self.step
+        return long_way_probability(turn, rate, duration)
+
+
+def _largest(values: Floats) -> Floats:
+    """Largest size along the last axis, (..., 1); NumPy is slow to reduce a short last axis."""
+    sizes = np.moveaxis(np.abs(values), -1, 0)
+    return np.asarray(functools.reduce(np.maximum, sizes))[..., None]

@@ -1,0 +1,80 @@
+"""The sparse objective for systems in stages: `hands_off.sparse_program` one interval at a time."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+from typing import Any
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.problems.hands_off import sparsity
+from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
+
+Sparse = tuple[Any, Array, Array]
+"""What the system has at a stage, the weight of an active interval () and what is free (b,)."""
+
+
+def _inner(function: Any) -> Any:
+    """The same function of (x, u, stage, args), of the system's part of the stage."""
+    return lambda x, u, stage, args: function(x, u, stage[0], args)
+
+
+@functools.cache
+def sparse_stages(
+    system: SparseSystem, size: int, shared: bool, limited: bool = True
+) -> StagedProgram:
+    """Programme of a sparse control problem in stages of `size` controls.
+
+    shared : whether all controls of an interval count as one (design 1) or each for itself.
+    limited : whether the control limits become inequalities of the stages, or are left out.
+    """
+    build, limits = system.stages, system.limits
+    assert build is not None and limits is not None
+    base = build(size)
+    n = base.error_size
+
+    def stages(args: SparseArguments) -> Sparse:
+        return base.stages(args), args.weight, args.free
+
+    def cost(x: Array, u: Array, stage: Sparse, args: SparseArguments, smoothing: Array) -> Array:
+        count = sparsity.log_count(u[None], stage[1][None], smoothing, shared)
+        mapped = jnp.sum(args.effort_map * u[None], axis=1)
+        effort = sparsity.absolute_effort(mapped, smoothing)
+        return args.count_scale * count + args.effort_scale * effort
+
+    def curvature(
+        x: Array, u: Array, stage: Sparse, args: SparseArguments, smoothing: Array
+    ) -> Array:
+        count = sparsity.log_count_curvature(u[None], stage[1][None], smoothing, shared)[0]
+        mapped = jnp.sum(args.effort_map * u[None], axis=1)
+        effort = sparsity.absolute_effort_curvature(mapped, smoothing)
+        block = args.count_scale * count[:, None] * jnp.eye(size, dtype=u.dtype)
+        rows = args.effort_map
+        spent = jnp.sum(effort[:, None, None] * rows[:, :, None] * rows[:, None, :], axis=0)
+        return jnp.pad(block + args.effort_scale * spent, ((n, 0), (n, 0)))
+
+    def inequality(x: Array, u: Array, stage: Sparse, args: SparseArguments) -> Array:
+        path = base.inequality(x, u, stage[0], args)
+        if not limited:
+            return path
+        relative = jnp.sum(limits(args.plant) * u[None], axis=1)
+        return jnp.concatenate([path, 1.0 - relative, 1.0 + relative])
+
+    def linearise(x: Array, u: Array, x_next: Array, stage: Sparse, args: Any) -> Array:
+        return base.derivatives(x, u, x_next, stage[0], args)
+
+    return replace(
+        base,
+        stages=stages,
+        dynamics=_inner(base.dynamics),
+        cost=cost,
+        curvature=curvature,
+        equality=_inner(base.equality),
+        equality_weight=lambda stage, args: base.equality_weight(stage[0], args),
+        inequality=inequality,
+        free=lambda stage, args: stage[2],
+        linearise=linearise,
+    )

@@ -1,0 +1,190 @@
+"""One optimisation with its judge: what multi-start search needs to know of a problem."""
+
+from __future__ import annotations
+
+import copy
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array
+
+from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
+
+Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+
+_BINDING = 1e-3
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the printed cost (5.3a), Schaanning (2021), table 5.1; k1 [s^2], k2, k3, a3.
+
+    on_off : k4 [1/(N m)^2] of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters;
+    on_off_idle : whether the term is multiplied by xi, as printed, which idle intervals have.
+    """
+
+    rate: float
+    attitude: float
+    sparsity: float
+    waypoint: float
+    on_off: float = 0.0
+    on_off_idle: bool = False
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What is minimised.
+
+    kind : "l0", "moving-l0" or "l1".  terminal : "reach" or "penalty".
+    design : 1 for one complementarity vector for all axes, 2 or 3 for one an axis.
+    epsilon : relaxation of the complementarity, in units of the controls.
+    """
+
+    kind: str
+    terminal: str
+    design: int
+    epsilon: float
+    weights: Weights
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What independent re-simulation says of S controls; leading axis S.
+
+    errors : name -> (S,) error, e.g. "attitude" [rad]; tolerances : name -> allowed error.
+    limit_violation : (S,) largest excess over a control limit, in units of the controls.
+    margin_violation : (S,) largest violation of a path constraint, relative to its limit.
+    """
+
+    errors: dict[str, Floats]
+    tolerances: dict[str, float]
+    limit_violation: Floats
+    margin_violation: Floats
+
+    LIMIT_TOLERANCE = 1e-9
+    MARGIN_TOLERANCE = 1e-6
+
+    @property
+    def arrives(self) -> npt.NDArray[np.bool_]:
+        """(S,) whether every error and control limit is within tolerance, whatever the way."""
+        ok = self.limit_violation <= self.LIMIT_TOLERANCE
+        for name, error in self.errors.items():
+            ok &= error <= self.tolerances[name]
+        return ok
+
+    @property
+    def reached(self) -> npt.NDArray[np.bool_]:
+        """(S,) whether every error, limit and path constraint is within tolerance."""
+        return self.arrives & (self.margin_violation <= self.MARGIN_TOLERANCE)
+
+    def pick(self, rows: npt.NDArray[np.int64]) -> Verdict:
+        """Verdicts of some of the controls."""
+        return Verdict(
+            {name: error[rows] for name, error in self.errors.items()},
+            self.tolerances,
+            self.limit_violation[rows],
+            self.margin_violation[rows],
+        )
+
+    @staticmethod
+    def join(parts: Sequence[Verdict]) -> Verdict:
+        """One verdict on the controls of several."""
+        return Verdict(
+            {name: np.concatenate([p.errors[name] for p in parts]) for name in parts[0].errors},
+            parts[0].tolerances,
+            np.concatenate([p.limit_violation for p in parts]),
+            np.concatenate([p.margin_violation for p in parts]),
+        )
+
+    @property
+    def shortfall(self) -> Floats:
+        """(S,) largest error in units of its tolerance; not a number counts as infinite."""
+        worst = np.zeros_like(self.limit_violation)
+        for name, error in self.errors.items():
+            worst = np.maximum(worst, np.nan_to_num(error / self.tolerances[name], nan=np.inf))
+        return worst
+
+
+class Task(ABC):
+    """A sparse control problem over N intervals with b scaled controls each."""
+
+    system: SparseSystem
+    goal: Goal
+    arguments: SparseArguments
+    intervals: int
+    size: int
+    step: float
+    threshold: float
+    """Controls at or below this count as zero (Schaanning 2021, definition 5.1.1)."""
+
+    sparsity_weight: float = 1.0
+    """k3 where the printed cost is minimised."""
+    effort_weight: float = 1.0
+    """Weight of the L1 effort, in scaled controls, where the printed cost is minimised."""
+
+    @property
+    def final_time(self) -> float:
+        """Length of the horizon [s]."""
+        return self.intervals * self.step
+
+    @property
+    def rows(self) -> int:
+        """Number of terminal and waypoint rows."""
+        return int(np.shape(self.arguments.row_weight)[0])
+
+    @property
+    def shared(self) -> bool:
+        """Whether all controls of an interval count as one."""
+        return self.goal.design == 1
+
+    def reaching(self) -> Task:
+        """The same task with the target as a constraint instead of a cost."""
+        other = copy.copy(self)
+        other.goal = replace(self.goal, terminal="reach")
+        other.arguments = replace(self.arguments, row_weight=jnp.full(self.rows, jnp.inf))
+        other.sparsity_weight = other.effort_weight = 1.0
+        return other
+
+    @abstractmethod
+    def to_controls(self, u: Floats | Array) -> Floats:
+        """Controls of the system, (S, N, b), from scaled controls: clipped and thresholded."""
+
+    @abstractmethod
+    def from_controls(self, controls: Floats) -> Floats:
+        """Scaled controls from the system's controls; inverse of `to_controls`."""
+
+    @abstractmethod
+    def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
+        """Fly (S, N, b) controls again with fine steps.
+
+        Returns the verdict and the named parts of the printed cost, each (S,).
+        """
+
+    def begin_verifying(self, pool: Executor) -> None:  # noqa: B027
+        """Compile ahead, in threads of a pool, what `verify` runs; nothing, if that is little."""
+
+    @abstractmethod
+    def effort(self, controls: Floats) -> Floats:
+        """L1 effort (S,): the sum over intervals and axes of |control| times the step."""
+
+    def slack_sum(self, controls: Floats) -> Floats:
+        """Sum of the L1 problem's slacks, (S,): the largest |control| of every interval (5.7a)."""
+        size = np.abs(controls)
+        slack = size.max(axis=-1, keepdims=True) if self.shared else size
+        return np.asarray(slack.sum(axis=(-2, -1)))
+
+    def saturated_intervals(self, controls: Floats) -> int:
+        """Intervals of one control history (N, b) in which a limit binds."""
+        u = jnp.asarray(self.from_controls(controls))
+        margins = np.asarray(self.system.stage_margins(u, self.arguments.plant))
+        return int((margins.min(axis=1) < _BINDING).sum())
+
+    @abstractmethod
+    def long_way_probability(self) -> float:
+        """How often a random start should aim at the target the long way round."""

@@ -1,0 +1,78 @@
+"""What a slew is asked to do: where it begins, ends and passes, and on which grid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxatt.environment.table import Surroundings
+from jaxatt.problems.hands_off.task import Floats
+
+_LONGEST_SUBSTEP_PHASE = 0.35
+"""[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """Where a slew begins: q_ob (4,), omega_ob (3,) [rad/s], omega_bw (n,) [rad/s]."""
+
+    q_ob: Floats
+    omega_ob: Floats
+    omega_bw: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """Where a slew must end: attitude (4,), rate (3,) [rad/s] and their tolerances [rad, rad/s]."""
+
+    q_ob: Floats
+    omega_ob: Floats
+    attitude_tolerance: float
+    rate_tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """An attitude to pass: (4,), the node (1 .. N) and the tolerance [rad]."""
+
+    q_ob: Floats
+    node: int
+    tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """N control intervals of `step` [s], the coasting intervals after them, the first time [s]."""
+
+    intervals: int
+    step: float
+    coast: int
+    start_time: float
+    substeps: int | None = None
+
+
+def automatic_substeps(step: float, surroundings: Surroundings) -> int:
+    """RK4 steps an interval: one, or as many as a sinusoidal torque needs."""
+    if float(surroundings.sine_amplitude) == 0.0:
+        return 1
+    phase = step * abs(float(surroundings.sine_frequency))
+    return max(1, int(np.ceil(phase / _LONGEST_SUBSTEP_PHASE - 1e-9)))
+
+
+def long_way_probability(turn: Floats, rate: Floats, duration: float) -> float:
+    """How often a random start should aim at the target the long way round.
+
+    From the rate changes that the two ways ask for about the axis between the attitudes: half where
+    both ask for the same, as for half a turn from rest; falling with the fourth power of their
+    ratio.
+
+    turn : (3,) [rad], rotation vector the short way.  rate : (3,) [rad/s].  duration : [s].
+    """
+    angle = float(np.linalg.norm(turn))
+    if angle == 0.0:
+        return 0.0
+    along = float(rate @ turn) / angle
+    short, long = angle / duration, (2.0 * np.pi - angle) / duration
+    short_way, long_way = abs(short - along) + short, abs(long + along) + long
+    return float(short_way**4 / (short_way**4 + long_way**4))

@@ -1,0 +1,104 @@
+"""What a spacecraft must look away from, what it must look at, and how fast it may turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.attitude import quaternion
+from jaxatt.environment.epoch import SECONDS_PER_DAY
+from jaxatt.environment.sun import sun_direction
+from jaxatt.problems.hands_off.task import Floats
+from jaxatt.problems.pointing.cones import KEEP_IN, KEEP_OUT, PointingLimits, PointingPath
+
+_WIDEST = 1e-9
+"""[rad] A guarded half angle stays this far from 0 and pi."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cone:
+    """One cone.
+
+    kind : "keep-out" or "keep-in".  boresight : (3,), unit vector in body axes.
+    half_angle : [rad], between 0 and pi.
+    frame : "inertial" or "orbit", the axes of `direction`, (3,), a unit vector; or "sun", whose
+        direction comes from the date.
+    """
+
+    name: str
+    kind: str
+    boresight: Floats
+    half_angle: float
+    frame: str
+    direction: Floats
+
+    @property
+    def sense(self) -> float:
+        """`KEEP_IN` or `KEEP_OUT`."""
+        return KEEP_IN if self.kind == "keep-in" else KEEP_OUT
+
+
+@dataclass(frozen=True, eq=False)
+class Pointing:
+    """All of them.
+
+    rate_limit : (3,) [rad/s] on |omega_ib| by body axis; None without limits.
+    days : time zero, days since J2000; needed for cones about the sun.
+    """
+
+    cones: tuple[Cone, ...] = ()
+    rate_limit: Floats | None = None
+    days: float | None = None
+
+    def __bool__(self) -> bool:
+        return bool(self.cones) or self.rate_limit is not None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the cones, then "body rate" where it is limited."""
+        rate = () if self.rate_limit is None else ("body rate",)
+        return (*(cone.name for cone in self.cones), *rate)
+
+    def directions(self, times: Floats, orbit_attitude: Array | Floats) -> Floats:
+        """Directions (T, m, 3) of all cones in inertial axes.
+
+        times : (T,) [s] after time zero.  orbit_attitude : (T, 4), q_io then.
+        """
+        found = np.zeros((len(times), len(self.cones), 3))
+        for i, cone in enumerate(self.cones):
+            if cone.frame == "sun":
+                assert self.days is not None
+                days = jnp.asarray(self.days + np.asarray(times) / SECONDS_PER_DAY)
+                found[:, i] = sun_direction(days)
+            elif cone.frame == "orbit":
+                fixed = np.broadcast_to(cone.direction, (len(times), 3))
+                found[:, i] = quaternion.rotate(orbit_attitude, fixed)
+            else:
+                found[:, i] = cone.direction
+        return found
+
+    def path(self, directions: Floats, guard: Floats) -> PointingPath:
+        """Limits for the solver along nodes with these directions (N + 1, m, 3).
+
+        guard : (m + 1,), what each cone is narrowed (keep-in) or widened (keep-out) by [rad], then
+        what is taken off the rate limits, as a share of them.
+        """
+        cones = self.cones
+        sense = np.array([cone.sense for cone in cones])
+        half = np.array([cone.half_angle for cone in cones]) - sense * guard[:-1]
+        half = np.clip(half, _WIDEST, np.pi - _WIDEST)
+        rate = np.zeros(0) if self.rate_limit is None else self.rate_limit * (1.0 - guard[-1])
+        limits = PointingLimits(
+            jnp.asarray(np.reshape([cone.boresight for cone in cones], (-1, 3))),
+            jnp.asarray(np.cos(half)),
+            jnp.asarray(sense),
+            jnp.asarray(rate),
+        )
+        return PointingPath(limits, jnp.asarray(directions))
+
+
+FREE = Pointing()
+"""Anywhere, at any rate."""

@@ -1,0 +1,246 @@
+"""What a scenario says, in SI units and radians."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from jaxatt.problems.pointing.case import FREE, Pointing
+from jaxatt.spacecraft import Spacecraft
+from jaxatt.spacecraft.checks import Float64
+
+SPACECRAFT = "spacecraft"
+TOY_SYSTEMS = ("double-integrator", "van-der-pol")
+SPARSE_KINDS = ("l0", "moving-l0", "l1")
+TIME_KINDS = ("time-effort", "minimum-time")
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Keplerian elements at the start: [m], [1], [rad], [rad], [rad], [rad], [m^3/s^2].
+
+    days : the start, days since J2000; None where nothing asks for the date.
+    """
+
+    semi_major_axis: float
+    eccentricity: float
+    inclination: float
+    raan: float
+    argument_of_periapsis: float
+    true_anomaly: float
+    gravitational_parameter: float
+    days: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Initial:
+    """The start of the manoeuvre.
+
+    Attributes
+    ----------
+    q_ob : (4,) array
+        Attitude of the body relative to the orbit frame, unit quaternion, scalar first.
+    omega_ob : (3,) array [rad/s]
+        Rate of the body relative to the orbit frame, in body axes.
+    omega_bw : (n,) array [rad/s]
+        Wheel speeds relative to the body.
+    state : (m,) array
+        State of a toy system; empty for a spacecraft, as the fields above are for a toy.
+    """
+
+    q_ob: Float64
+    omega_ob: Float64
+    omega_bw: Float64
+    state: Float64
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """The end of the manoeuvre, or of one leg: as `Initial`, with tolerances in rad and rad/s."""
+
+    q_ob: Float64
+    omega_ob: Float64
+    attitude_tolerance: float
+    rate_tolerance: float
+    state: Float64
+    state_tolerance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Waypoint:
+    """An attitude to pass at a node: (4,) unit quaternion, time [s], tolerance [rad]."""
+
+    q_ob: Float64
+    time: float
+    node: int
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Duration [s], control intervals, coasting intervals after the end, RK4 steps an interval.
+
+    `substeps` is None where the number is chosen automatically.
+    free : whether the final time of each leg is found, from `shortest` to `longest` [s]; the number
+    of intervals stays and their length changes.  `duration` is then the first one to be tried, or
+    `longest` where the objective is one of `TIME_KINDS`.
+    """
+
+    duration: float
+    intervals: int
+    coast_intervals: int
+    substeps: int | None
+    free: bool = False
+    shortest: float = 0.0
+    longest: float = math.inf
+
+    @property
+    def step(self) -> float:
+        """Length of one control interval [s]."""
+        return self.duration / self.intervals
+
+
+@dataclass(frozen=True)
+class Disturbances:
+    """Known torques: gravity gradient on or off, amplitude [N m] and frequency [rad/s] of a sine.
+
+    Schaanning (2021), eqs. 4.11 and 4.12.
+    """
+
+    gravity_gradient: bool
+    sinusoidal_torque: float
+    sinusoidal_frequency: float
+
+
+@dataclass(frozen=True)
+class Control:
+    """Axes of the decision variables ("body" or "wheels"); control bound of a toy system.
+
+    With thrusters the variables are the torques of the actuators: wheels, then thrusters.
+    quantisation : "pulse-width", "interval" or "none", how thrusters are made fully open or shut.
+    """
+
+    axes: str
+    limit: float
+    quantisation: str = "none"
+
+
+@dataclass(frozen=True)
+class Objective:
+    """What is minimised; weights k1 [s^2], k2, k3, a3 of Schaanning (2021), table 5.1.
+
+    Attributes
+    ----------
+    kind : one of `SPARSE_KINDS` or `TIME_KINDS`
+    terminal : "reach" or "penalty"
+        Terminal constraints with tolerances, or the printed cost.
+    design : 1, 2 or 3
+        One complementarity vector for all axes (eq. 5.3) or one an axis (eqs. 5.14, 5.15).
+    epsilon : float [N m]
+        Relaxation of the complementarity, on the unscaled torque (or a toy's control).
+    on_off_weight : float [1/(N m)^2]
+        k4 of Kristiansen and Gravdahl (2023), eq. 11, on partially open thrusters.
+    on_off_form : "active" or "printed"
+        Whether the term counts in active intervals (1 - xi) or, as printed, in idle ones (xi).
+    time_weight : float [1/s]
+        Cost of a second of free final time, in active intervals.
+    effort_weight : float [1/(N m)^2]
+        rho, cost in seconds of a unit of the integral of all squared torques; of "time-effort".
+    """
+
+    kind: str
+    terminal: str
+    design: int
+    epsilon: float
+    rate_weight: float
+    attitude_weight: float
+    sparsity_weight: float
+    waypoint_weight: float
+    on_off_weight: float = 0.0
+    on_off_form: str = "active"
+    time_weight: float = 0.0
+    effort_weight: float = 0.0
+
+
+@dataclass(frozen=True)
+class Transcription:
+    """How a turn of `TIME_KINDS` becomes a finite programme.
+
+    attitude : "quaternion" or "mrp", its coordinates.  integration : "rk4" or "euler".
+    """
+
+    attitude: str = "quaternion"
+    integration: str = "rk4"
+
+
+@dataclass(frozen=True)
+class Window:
+    """Intervals `first` to `last`, zero-based and inclusive, that are cheap or forbidden.
+
+    `weight` replaces the cost 1 of an active interval in moving L0 (h_N of eq. 5.5); in a
+    forbidden window no objective may use torque, and the weight is 1.
+    """
+
+    first: int
+    last: int
+    weight: float
+    forbidden: bool
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """Number of starts and the seed they are drawn from."""
+
+    starts: int
+    seed: int
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One manoeuvre to optimise.
+
+    Attributes
+    ----------
+    name, title, source : str
+    system : "spacecraft", "double-integrator" or "van-der-pol"
+    vehicle, orbit
+        None for a toy system; without an orbit attitudes are relative to the inertial frame.
+    targets : tuple of Target
+        One, or one a leg for successive optimisations, each over the whole horizon.
+    printed : mapping
+        The values that the source prints, as in the file.
+    notes : tuple of str
+        What was changed while reading, e.g. a quaternion that was normalised.
+    transcription : Transcription
+        Of `TIME_KINDS` only.
+    pointing
+        Cones to keep out of or within, and limits on the body's rate.
+    document, origin, folder
+        The TOML document, where it came from and its folder, so that `replace` can read it again.
+    """
+
+    name: str
+    title: str
+    source: str
+    system: str
+    vehicle: Spacecraft | None
+    orbit: Orbit | None
+    initial: Initial
+    targets: tuple[Target, ...]
+    waypoint: Waypoint | None
+    horizon: Horizon
+    disturbances: Disturbances
+    control: Control
+    objective: Objective
+    windows: tuple[Window, ...]
+    solver: SolverSettings
+    printed: Mapping[str, Any]
+    notes: tuple[str, ...]
+    document: Mapping[str, Any] = field(repr=False)
+    origin: str = field(repr=False)
+    folder: Path | None = field(repr=False)
+    transcription: Transcription = Transcription()
+    pointing: Pointing = FREE

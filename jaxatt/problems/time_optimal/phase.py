@@ -1,0 +1,157 @@
+"""From a scenario whose time is minimised to its leg: searched, flown again, judged, labelled."""
+
+from __future__ import annotations
+
+import math
+import time
+
+import numpy as np
+
+from jaxatt import scenarios
+from jaxatt.attitude import quaternion
+from jaxatt.optimize.status import Status
+from jaxatt.problems.failure_reason import obstacle
+from jaxatt.problems.manoeuvre import Aim, Departure
+from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
+from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
+from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
+from jaxatt.report.result import Leg, PointingRecord, StartsRecord
+from jaxatt.report.time_optimum import TimeOptimum, switch_times
+from jaxatt.runtime.chunks import Report
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
+
+
+def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
+    """Task of a scenario of one of `TIME_KINDS`."""
+    assert scenario.vehicle is not None
+    begin, target, horizon = scenario.initial, scenario.targets[0], scenario.horizon
+    goal = TimeGoal(
+        scenario.objective.effort_weight,
+        scenario.transcription.attitude,
+        scenario.transcription.integration,
+        horizon.substeps or 1,
+        horizon.shortest,
+        horizon.longest,
+    )
+    return ReorientationTask(
+        scenario.vehicle,
+        Departure(begin.q_ob, begin.omega_ob, begin.omega_bw),
+        Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
+        horizon.intervals,
+        goal,
+        scenario.pointing,
+    )
+
+
+def time_leg(scenario: scenarios.Scenario, report: Report | None = None) -> tuple[Leg, float]:
+    """The best turn of a scenario with how every start ended, and seconds spent on its flight."""
+    task = build_time_task(scenario)
+    found = search_free_time(task, scenario.solver.starts, scenario.solver.seed, report)
+    arcs = resolve_switches(task, found) if scenario.objective.kind == "minimum-time" else None
+    began = time.perf_counter()
+    return _leg(scenario, task, found, arcs), time.perf_counter() - began
+
+
+def _leg(
+    scenario: scenarios.Scenario, task: ReorientationTask, found: FreeTimeFound, arcs: Arcs | None
+) -> Leg:
+    best, n = found.best, task.craft.wheels.count
+    torque, step = found.controls[best], float(found.step[best])
+    flown = task.fly(torque[None], np.array([step]))
+    pointing = _pointing(task, found)
+    verdict = found.verdict.pick(np.array([best]))
+    reached = bool(verdict.reached[0])
+    effort = float(task.effort(torque, np.asarray(step)))
+    count = task.intervals
+    series = {
+        "q_ob": np.asarray(flown.q_ob[0]),
+        "omega_ob": np.asarray(flown.omega_ob[0]),
+        "omega_ib": np.asarray(flown.omega_ib[0]),
+        "omega_bw": np.asarray(flown.omega_bw[0]),
+    }
+    if n:
+        series["torque_wheels"] = torque[:, :n]
+        series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
+    if task.craft.thrusters.count:
+        series["torque_thrusters"] = torque[:, n:]
+    threshold = 1e-6
+    active = np.abs(found.controls) > threshold
+    names = tuple(f"wheel {i + 1}" for i in range(n)) + tuple(
+        f"thruster {i + 1}" for i in range(task.craft.thrusters.count)
+    )
+    wheels, thrusters = task.craft.wheels, task.craft.thrusters
+    upper = np.concatenate([np.asarray(wheels.torque_limit), np.asarray(thrusters.torque_limit)])
+    lower = np.concatenate([-np.asarray(wheels.torque_limit), np.zeros(thrusters.count)])
+    switches = switch_times(torque, step * np.arange(count + 1.0), lower, upper)
+    if arcs is not None:
+        switches = arcs.switches
+    final = count * step
+    return Leg(
+        start_time=0.0,
+        step=step,
+        controls=torque,
+        weight=np.ones(count),
+        window=np.zeros(count, bool),
+        forbidden=np.zeros(count, bool),
+        series=series,
+        reference={"q_ob": task.aim.q_ob, "omega_ob": task.aim.omega_ob},
+        errors={name: float(value[0]) for name, value in verdict.errors.items()},
+        tolerances=verdict.tolerances,
+        limit_violation=float(verdict.limit_violation[0]),
+        margin_violation=float(verdict.margin_violation[0]),
+        max_complementarity=math.nan,
+        objective={"time": final, "effort": scenario.objective.effort_weight * effort},
+        effort=float(np.abs(torque).sum() * step),
+        reached=reached,
+        obstacle="" if reached else obstacle(verdict, Status(int(found.status[best])), pointing),
+        active=active[best].any(axis=1),
+        starts=StartsRecord(
+            status=found.status,
+            reached=found.reached,
+            active_intervals=active.any(axis=2).sum(axis=1),
+            effort=np.asarray(np.abs(found.controls).sum(axis=(1, 2)) * found.step),
+            long_way=found.long_way,
+            iterations=found.iterations,
+            shortfall=found.verdict.shortfall,
+            distinct_minima=found.minima,
+        ),
+        pointing=pointing,
+        time_optimum=TimeOptimum(
+            effort_weight=scenario.objective.effort_weight,
+            cost=float(found.cost[best]),
+            actuators=names,
+            switch_times=switches,
+            violation=float(found.violation[best]),
+            stationarity=float(found.stationarity[best]),
+            minima=found.minima,
+            share=found.share,
+            own_error=float(found.own_error[best]),
+            start_costs=found.cost,
+            start_times=count * found.step,
+            attitude=scenario.transcription.attitude,
+            integration=scenario.transcription.integration,
+            resolved_time=None if arcs is None else arcs.final_time,
+        ),
+    )
+
+
+def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:
+    """What the best answer's flight says of cones and rate limits."""
+    if not task.pointing:
+        return None
+    torque, step = found.controls[found.best][None], found.step[found.best][None]
+    flown = task.fly(torque, step, between=MINIMUM_SUBSTEPS)
+    watch = task.watch(flown)
+    count = task.intervals * MINIMUM_SUBSTEPS
+    times = np.asarray(float(step[0]) / MINIMUM_SUBSTEPS * np.arange(count + 1))
+    directions = np.broadcast_to(task.directions, (count + 1, *task.directions.shape))
+    q = np.broadcast_to(np.asarray(flown.q_ob[0])[:, None], (*directions.shape[:2], 4))
+    fixed = np.reshape([cone.boresight for cone in task.pointing.cones], (1, -1, 3))
+    return PointingRecord(
+        time=times,
+        angles=watch.angles[0],
+        boresights=np.asarray(quaternion.rotate(q, np.broadcast_to(fixed, directions.shape))),
+        directions=directions,
+        extremes=watch.extremes(times),
+        guard=found.guard[:-1],
+    )

@@ -1,0 +1,133 @@
+"""Random feasible starts of a reorientation: a path, the torques that follow it, a time for them.
+
+Between the two attitudes every node gets a random share of the turn; the rates and torques of that
+path follow from inverse dynamics, and the interval is made long enough for the torques to stay
+within their limits.  Source: Sensors and Materials 32 (5), 2020, 1671 ff., section 4, eqs. (27) to
+(34); (27) with sigma(1) = sigma(0) and sigma(N) = sigma(N + 1), so that it begins and ends at rest.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxatt.attitude import quaternion
+from jaxatt.problems.hands_off.task import Floats
+from jaxatt.problems.manoeuvre import long_way_probability
+from jaxatt.problems.time_optimal.task import ReorientationTask
+
+_SPREAD = 0.1
+_MOST_STRETCHES = 12
+_FIRST_DURATION = 10.0
+
+
+class Paths(NamedTuple):
+    """S starts.
+
+    u : (S, N, b), scaled controls.  states : (S, N + 1, s), of the programme.
+    step : (S,) [s].  reference : (S, 3 or 4), target attitude the way that the start goes.
+    effort_weight : (S,) [1/(N m)^2], rho.
+    """
+
+    u: Floats
+    states: Floats
+    step: Floats
+    reference: Floats
+    effort_weight: Floats
+
+
+def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
+    """Starts of a task; start i depends on the seed and on i alone.
+
+    Where effort costs nothing the torques are spread a little as well: a path about the axis
+    between the attitudes alone may be a saddle of the final time, and stay one.
+    """
+    n = task.intervals
+    drawn = np.stack([np.random.default_rng((seed, i)).random(draws(task)) for i in range(count)])
+    share = 1.0 - drawn[:, : n + 2]
+    share[:, :2], share[:, n:] = 0.0, 1.0
+    turn = task.turn(1.0)
+    vector = 4.0 * np.arctan(np.linalg.norm(turn)) * turn / max(1e-300, np.linalg.norm(turn))
+    rate = np.asarray(task.departure.omega_ob)
+    away = drawn[:, n + 2] < long_way_probability(vector, rate, _FIRST_DURATION)
+    sigma = np.where(away[:, None], task.turn(-1.0), turn)
+    reference = np.where(away[:, None], task.reference(-1.0), task.reference(1.0))
+    nodes = share[:, :, None] * sigma[:, None]
+    step = np.full(count, _FIRST_DURATION / n)
+    for _ in range(_MOST_STRETCHES):
+        u, omega = _followed(task, nodes, step)
+        most = np.maximum(np.abs(task.actuation.lower), task.actuation.upper)
+        over = (np.abs(u) / most).max(axis=(1, 2))
+        # From rest torques fall with the square of the time, and one stretch is enough.
+        if (over <= 1.0 + 1e-12).all() and _ > 0:
+            break
+        step = step * np.where((over > 1.0) | (_ == 0), np.sqrt(np.maximum(over, 1e-12)), 1.0)
+    goal = task.goal
+    step = np.clip(step, goal.shortest / n, goal.longest / n)
+    u, omega = _followed(task, nodes, step)
+    if goal.effort_weight == 0.0:
+        u = u + _SPREAD * (2.0 * drawn[:, n + 3 :].reshape(u.shape) - 1.0)
+    u = np.clip(u, task.actuation.lower, task.actuation.upper)
+    states = _states(task, nodes[:, : n + 1], omega, u, step)
+    return Paths(u, states, step, reference, np.full(count, goal.effort_weight))
+
+
+def draws(task: ReorientationTask) -> int:
+    """Random numbers of a start."""
+    return task.intervals + 3 + task.intervals * task.actuation.size
+
+
+def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Floats, Floats]:
+    """Scaled controls (S, N, b) that follow relative MRP (S, N + 2, 3), and rates (S, N + 1, 3)."""
+    count = task.intervals
+    slope = np.diff(nodes, axis=1) / step[:, None, None]
+    omega = _rates(nodes[:, : count + 1], slope)
+    omega[:, 0], omega[:, count] = task.departure.omega_ob, task.aim.omega_ob
+    change = np.diff(omega, axis=1) / step[:, None, None]
+    craft = task.craft
+    inertia = np.asarray(craft.inertia)
+    if task.form.body.momentum == "own":
+        momentum = omega[:, :count] @ inertia
+    else:
+        momentum = _to_body(nodes[:, :count], task.momentum)
+    needed = change @ np.asarray(craft.inertia_without_spin).T
+    needed = needed + np.cross(omega[:, :count], momentum)
+    a = task.actuation
+    return np.asarray(needed @ np.linalg.pinv(a.to_external - a.to_body).T), np.asarray(omega)
+
+
+def _rates(sigma: Floats, slope: Floats) -> Floats:
+    """omega (..., 3) of MRP and their slopes: eq. (5), whose G is 16 G G' = (1 + |sigma|^2)^2."""
+    squared = (sigma**2).sum(axis=-1, keepdims=True)
+    along = (sigma * slope).sum(axis=-1, keepdims=True) * sigma
+    turned = (1.0 - squared) * slope - 2.0 * np.cross(sigma, slope) + 2.0 * along
+    return np.asarray(4.0 / (1.0 + squared) ** 2 * turned)
+
+
+def _to_body(sigma: Floats, vector: Floats) -> Floats:
+    """Components of a vector of the start's body axes in the axes turned by MRP, (..., 3)."""
+    squared = (sigma**2).sum(axis=-1, keepdims=True)
+    once = np.cross(sigma, vector)
+    twice = np.cross(sigma, once)
+    return np.asarray(vector + (8.0 * twice - 4.0 * (1.0 - squared) * once) / (1.0 + squared) ** 2)
+
+
+def _states(
+    task: ReorientationTask, nodes: Floats, omega: Floats, u: Floats, step: Floats
+) -> Floats:
+    """States of the programme at all nodes, (S, N + 1, s)."""
+    form = task.form
+    squared = (nodes**2).sum(axis=-1, keepdims=True)
+    relative = np.concatenate([1.0 - squared, 2.0 * nodes], axis=-1) / (1.0 + squared)
+    attitude = np.asarray(quaternion.multiply(np.asarray(task.departure.q_ob), relative))
+    if form.body.attitude == "mrp":
+        attitude = attitude[..., 1:] / (1.0 + attitude[..., :1])
+    parts = [attitude, omega]
+    if form.body.momentum == "carried":
+        parts.append(_to_body(nodes, task.momentum))
+    if form.speed_limited:
+        spent = np.cumsum(u * step[:, None, None], axis=1)
+        parts.append(np.concatenate([np.zeros_like(u[:, :1]), spent], axis=1))
+    parts.append(np.broadcast_to(np.log(step)[:, None, None], (*nodes.shape[:2], 1)))
+    return np.concatenate(parts, axis=-1)

@@ -1,0 +1,160 @@
+"""Reorientation in free time: the weighted sum of time and squared torque, stage by stage.
+
+    minimise  sum of h_k (1 + rho |u_k|^2)   over torques u_k and the final time
+
+Problem II of Sensors and Materials 32 (5), 2020, 1671 ff., eqs. (22) to (26), with the sum in (22)
+over all intervals; rho = 0 is the minimum-time problem.  The logarithm of the mean interval is a
+state that nothing changes and whose first value is decided with the torques (time dilation), so
+that no length is ever negative and the stages stay tied to their neighbours only.
+
+A state holds the attitude, omega_ib (3) [rad/s], where thrusters or wheels that turn at the start
+ask for it the total momentum (3) [N m s] in body axes, where wheel speeds are limited the impulse
+of every control [N m s / scale], and the logarithm of the mean interval.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.attitude import mrp
+from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.problems.hands_off.slew import stages as slew_stages
+from jaxatt.problems.hands_off.slew.model import RATE_SCALE, attitude_row
+from jaxatt.problems.pointing.cones import PointingLimits, pointing_margins
+from jaxatt.problems.time_optimal.derivatives import IntervalDerivatives, torques
+from jaxatt.simulation.free_body import BodyForm, FreeBody, step
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class ReorientationParameters:
+    """All numbers of a reorientation; every leaf may be batched, swept or differentiated.
+
+    body : inertias.
+    start : (s,), attitude, rate and, where it is carried, momentum at the first node.
+    step : () [s], mean interval that a start begins with.
+    share : (N,), lengths of the intervals in units of the mean one.
+    reference : (4,) or (3,), target attitude; its sign or set selects the way round.
+    reference_rate : (3,) [rad/s].
+    to_body, to_external : (3, b) [N m], torque on the wheels and of the thrusters in body axes, of
+        a unit of each scaled control.
+    lower, upper : (b,), limits of the scaled controls.  scale : (b,) [N m].
+    effort_weight : () [1/(N m)^2], rho.
+    shortest, longest : () [s], limits of the final time; 0 and inf where there are none.
+    limits : cones and rate limits.  directions : (m, 3), of the cones, in inertial axes.
+    wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
+    to_wheels : (n, b) [N m]; speed_limit : (n,) [rad/s].
+    """
+
+    body: FreeBody
+    start: Array
+    step: Array
+    share: Array
+    reference: Array
+    reference_rate: Array
+    to_body: Array
+    to_external: Array
+    lower: Array
+    upper: Array
+    scale: Array
+    effort_weight: Array
+    shortest: Array
+    longest: Array
+    limits: PointingLimits
+    directions: Array
+    wheel_speed: Array
+    wheel_axes: Array
+    wheel_inertia: Array
+    to_wheels: Array
+    speed_limit: Array
+
+
+@dataclass(frozen=True)
+class ReorientationForm:
+    """What is compiled in: the body's form, and which limits there are."""
+
+    body: BodyForm
+    time_limited: bool = False
+    speed_limited: bool = False
+    cones: int = 0
+    rate_limited: bool = False
+
+
+@functools.cache
+def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
+    """The programme with `size` controls an interval, of `ReorientationParameters`."""
+    body = form.body
+    quaternion = body.attitude == "quaternion"
+    carried, turn = body.size, body.attitude_size
+    impulses = size if form.speed_limited else 0
+    closed = IntervalDerivatives(body, impulses, size)
+
+    def start(p: ReorientationParameters) -> Array:
+        return jnp.concatenate([p.start, jnp.zeros(impulses, p.start.dtype), jnp.log(p.step)[None]])
+
+    def dynamics(x: Array, u: Array, share: Array, p: ReorientationParameters) -> Array:
+        h = share * jnp.exp(x[-1])
+        end = step(tuple(x[i] for i in range(carried)), torques(p, u), h, p.body, body)
+        return jnp.concatenate([jnp.stack(end), x[carried:-1] + h * u[:impulses], x[-1:]])
+
+    def cost(
+        x: Array, u: Array, share: Array, p: ReorientationParameters, smoothing: Array
+    ) -> Array:
+        squared = jnp.sum((p.scale * u) ** 2)
+        return share * jnp.exp(x[-1]) * (1.0 + p.effort_weight * squared)
+
+    def final_rows(x: Array, p: ReorientationParameters) -> Array:
+        missing = attitude_row(p.reference, x[:4]) if quaternion else 4.0 * (x[:3] - p.reference)
+        return jnp.concatenate([missing, RATE_SCALE * (x[turn : turn + 3] - p.reference_rate)])
+
+    def inequality(x: Array, u: Array, share: Array, p: ReorientationParameters) -> Array:
+        rows = []
+        if form.cones or form.rate_limited:
+            q = x[:4] if quaternion else mrp.to_quaternion(x[:3])
+            rows.append(pointing_margins(q, x[turn : turn + 3], p.directions, p.limits))
+        if form.speed_limited:
+            spun = jnp.sum(p.to_wheels * x[carried:-1][None], axis=1) / p.wheel_inertia
+            turned = jnp.sum(
+                p.wheel_axes * (x[turn : turn + 3] - p.start[turn : turn + 3])[:, None], axis=0
+            )
+            relative = (p.wheel_speed + spun - turned) / p.speed_limit
+            rows += [1.0 - relative, 1.0 + relative]
+        return jnp.concatenate(rows) if rows else jnp.zeros((0,), x.dtype)
+
+    def final_inequality(x: Array, p: ReorientationParameters) -> Array:
+        if not form.time_limited:
+            return jnp.zeros((0,), x.dtype)
+        duration = jnp.sum(p.share) * jnp.exp(x[-1])
+        return jnp.stack([duration / p.shortest - 1.0, 1.0 - duration / p.longest])
+
+    program = StagedProgram(
+        start=start,
+        stages=lambda p: p.share,
+        dynamics=dynamics,
+        cost=cost,
+        curvature=_unused,
+        error_size=carried - turn + 3 + impulses + 1,
+        inequality=inequality,
+        final_rows=final_rows,
+        final_inequality=final_inequality,
+        limits=lambda share, p: (p.lower, p.upper),
+        free_start=1,
+    )
+    if not quaternion:
+        return program
+    return replace(
+        program,
+        retract=slew_stages.retract,
+        difference=slew_stages.difference,
+        slopes=closed.slopes,
+        bending=closed.bending,
+    )
+
+
+def _unused(*_: object) -> Array:
+    raise NotImplementedError("the interior-point method differentiates the cost itself")

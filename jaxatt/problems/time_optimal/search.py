@@ -1,0 +1,176 @@
+"""Multi-start search for the best reorientation in free time: Algorithm A, all starts at once.
+
+1. Every start is a random feasible path (`random_paths`).
+2. All of them are solved at once by the interior-point method; those that end make room for others.
+3. Every answer is flown again with fine steps; the cheapest that reaches is the answer.
+
+Source: Sensors and Materials 32 (5), 2020, 1671 ff., section 5.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+
+from jaxatt.optimize.interior_point.solver import InteriorSolution
+from jaxatt.optimize.status import Status
+from jaxatt.problems.hands_off.task import Floats, Verdict
+from jaxatt.problems.time_optimal.batch import solve_paths
+from jaxatt.problems.time_optimal.random_paths import Paths, random_paths
+from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.runtime.chunks import Report
+
+_SAME = 1e-4
+"""Relative difference of costs up to which two answers are one minimum."""
+_MOST_TIGHTENINGS = 4
+_TIGHTER = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class FreeTimeFound:
+    """Outcome of a search; leading axis S.
+
+    scaled : (S, N, b) controls and states : (S, N + 1, s), of the solver.
+    controls : (S, N, n + m) [N m], torques of wheels and thrusters.  step : (S,) [s].
+    cost : (S,) [s].  status : (S,) `Status`.  violation, stationarity : (S,), as the solver has
+    them.  iterations : (S,).  own_error : (S,) [rad], by which the transcription's own end misses.
+    long_way : (S,).  verdict : of flights with fine steps.
+    guard : (m + 1,), how much stricter cones [rad] and rates were taken than they are.
+    best : index of the answer.  minima : distinct ones among the starts that converged.
+    share : of all starts, those that ended at the best.
+    """
+
+    scaled: Floats
+    states: Floats
+    controls: Floats
+    step: Floats
+    cost: Floats
+    status: npt.NDArray[np.int64]
+    violation: Floats
+    stationarity: Floats
+    iterations: npt.NDArray[np.int64]
+    own_error: Floats
+    long_way: npt.NDArray[np.bool_]
+    verdict: Verdict
+    best: int
+    minima: int
+    share: float
+    guard: Floats
+
+    @property
+    def reached(self) -> npt.NDArray[np.bool_]:
+        """(S,), by re-simulation."""
+        return self.verdict.reached
+
+
+def search_free_time(
+    task: ReorientationTask, count: int, seed: int, report: Report | None = None
+) -> FreeTimeFound:
+    """Find the best reorientation of a task from `count` starts."""
+    if task.at_target:
+        return _nothing_to_do(task)
+    paths = random_paths(task, count, seed)
+    solution = solve_paths(task, paths, report=report)
+    found = evaluate(task, paths, solution)
+    return _between_nodes(task, paths, found, report)
+
+
+def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) -> FreeTimeFound:
+    """Fly every answer again and choose the best."""
+    finite = np.isfinite(solution.u).all(axis=(1, 2)) & np.isfinite(solution.x).all(axis=(1, 2))
+    torque = task.torques(np.nan_to_num(solution.u))
+    step = np.where(finite, np.exp(np.where(finite, solution.x[:, -1, -1], 0.0)), np.nan)
+    flown = task.fly(torque, np.nan_to_num(step), between=_between(task))
+    verdict = task.judge(flown, torque)
+    status = np.where(finite, solution.status, int(Status.NOT_FINITE))
+    cost = task.cost(torque, step)
+    best, minima, share = _ranked(cost, status, verdict)
+    rows = jax.vmap(task.program.final_rows, in_axes=(0, None))(
+        jnp.asarray(np.nan_to_num(solution.x[:, -1])), task.parameters
+    )
+    turned = np.asarray(rows)[:, :3]
+    other = np.linalg.norm(paths.reference - task.reference(1.0), axis=1) > _SAME
+    return FreeTimeFound(
+        np.nan_to_num(solution.u),
+        np.nan_to_num(solution.x),
+        torque,
+        step,
+        cost,
+        status,
+        np.asarray(solution.violation),
+        np.asarray(solution.stationarity),
+        np.asarray(solution.iterations),
+        np.where(other, solution.violation, np.linalg.norm(turned, axis=1)),
+        other,
+        verdict,
+        best,
+        minima,
+        share,
+        np.zeros(len(task.pointing.cones) + 1),
+    )
+
+
+def _between(task: ReorientationTask) -> int:
+    """Nodes an interval at which a flight is judged: many where the path is limited."""
+    form = task.form
+    return 20 if task.pointing or form.speed_limited else 1
+
+
+def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, float]:
+    """Index of the answer, number of minima, share of the starts at the best."""
+    usable = np.where(np.isfinite(cost), cost, np.inf)
+    missed = np.where(verdict.reached, 0.0, np.maximum(1.0, verdict.shortfall))
+    best = int(np.lexsort((usable, missed))[0])
+    ended = np.sort(usable[(status == Status.CONVERGED) & np.isfinite(usable)])
+    minima = int(len(ended) > 0) + int((np.diff(ended) > _SAME * np.abs(ended[1:])).sum())
+    near = verdict.reached & (usable <= usable[best] * (1.0 + _SAME))
+    return best, minima, float(near.mean())
+
+
+def _between_nodes(
+    task: ReorientationTask, paths: Paths, found: FreeTimeFound, report: Report | None
+) -> FreeTimeFound:
+    """Take cones and rates stricter where the best answer cuts them between nodes; solve again."""
+    for _ in range(_MOST_TIGHTENINGS if task.pointing else 0):
+        ended = np.flatnonzero(found.status == Status.CONVERGED)
+        if not len(ended):
+            return found
+        index = int(ended[np.argmin(found.cost[ended])])
+        torque, step = found.controls[index : index + 1], found.step[index : index + 1]
+        excess = task.watch(task.fly(torque, step, between=_between(task))).excess[0]
+        if found.verdict.reached[index] or not excess.max() > 0.0:
+            return found
+        guard = found.guard + _TIGHTER * np.maximum(excess, 0.0)
+        stricter = replace(task.parameters, limits=task.limits(guard))
+        again = evaluate(task, paths, solve_paths(task, paths, None, stricter, report))
+        found = replace(again, guard=guard)
+    return found
+
+
+def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
+    """The answer where the start is the target: no time, no torque."""
+    scaled = np.zeros((1, task.intervals, task.actuation.size))
+    torque, nothing = task.torques(scaled), np.zeros(1)
+    verdict = task.judge(task.fly(torque, nothing), torque)
+    return FreeTimeFound(
+        scaled=scaled,
+        states=random_paths(task, 1, 0).states,
+        controls=torque,
+        step=nothing,
+        cost=nothing,
+        status=np.array([int(Status.CONVERGED)]),
+        violation=nothing,
+        stationarity=nothing,
+        iterations=np.zeros(1, int),
+        own_error=nothing,
+        long_way=np.zeros(1, bool),
+        verdict=verdict,
+        best=0,
+        minima=1,
+        share=1.0,
+        guard=np.zeros(len(task.pointing.cones) + 1),
+    )

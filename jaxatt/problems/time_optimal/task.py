@@ -1,0 +1,295 @@
+"""A reorientation in free time: its numbers for the solver, and its judge."""
+
+from __future__ import annotations
+
+import copy
+import functools
+from dataclasses import dataclass, replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array, lax
+
+from jaxatt.attitude import errors, mrp, quaternion
+from jaxatt.environment.table import EnvironmentTable, Surroundings, environment_at, tabulate
+from jaxatt.problems.hands_off.task import Floats, Verdict
+from jaxatt.problems.manoeuvre import Aim, Departure
+from jaxatt.problems.pointing.case import FREE, Pointing
+from jaxatt.problems.pointing.cones import PointingLimits, cone_angles
+from jaxatt.problems.pointing.watch import Watch
+from jaxatt.problems.time_optimal.actuation import actuation
+from jaxatt.problems.time_optimal.reorientation import (
+    ReorientationForm,
+    ReorientationParameters,
+    reorientation,
+)
+from jaxatt.runtime.chunks import in_chunks
+from jaxatt.runtime.settings import QUICK_TO_COMPILE
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_torque
+from jaxatt.simulation.free_body import BodyForm, FreeBody
+from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+
+_LARGEST_MRP = 3.0
+"""Norm beyond which the solver's MRP change sets: 286 deg from where they are zero."""
+_AT_REST = 1e-12
+"""[N m s] Total momentum that counts as none."""
+
+
+@dataclass(frozen=True)
+class TimeGoal:
+    """What is minimised, and how it is transcribed.
+
+    effort_weight : rho [1/(N m)^2]; 0 for the least time.
+    attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".  substeps : an interval.
+    shortest, longest : [s], limits of the final time.
+    """
+
+    effort_weight: float
+    attitude: str = "quaternion"
+    integration: str = "rk4"
+    substeps: int = 1
+    shortest: float = 0.0
+    longest: float = np.inf
+
+
+@functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
+def _fly_many(
+    craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable, h: Array
+) -> Trajectory:
+    def one(torque: Array, h: Array) -> Trajectory:
+        return fly_torque(craft, start, torque, replace(table, substep=h))
+
+    return jax.vmap(one)(torque, h)
+
+
+@functools.partial(jax.jit, static_argnames=("steps",))
+def _fly_on(
+    craft: Spacecraft, state: AttitudeState, torque: Array, h: Array, steps: int
+) -> AttitudeState:
+    here = environment_at(_INERTIAL, jnp.zeros(4))
+
+    def one(state: AttitudeState, _: None) -> tuple[AttitudeState, None]:
+        return advance(craft, state, lambda *_: torque, here, h)[0], None
+
+    return lax.scan(one, state, None, length=steps)[0]
+
+
+_angle = jax.jit(errors.angle)
+_angles = jax.jit(cone_angles)
+_UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0]])
+
+
+class ReorientationTask:
+    """From one attitude to another in a time that is found, relative to the inertial frame.
+
+    craft : vehicle.  departure, aim : where it begins and ends.  intervals : N.
+    """
+
+    def __init__(
+        self,
+        craft: Spacecraft,
+        departure: Departure,
+        aim: Aim,
+        intervals: int,
+        goal: TimeGoal,
+        pointing: Pointing = FREE,
+    ):
+        # Of q and -q the one whose MRP are the shorter turn; ways round are told apart from there.
+        q = np.asarray(departure.q_ob)
+        departure = replace(departure, q_ob=-q if q[0] < 0.0 else q)
+        self.craft, self.departure, self.aim = craft, departure, aim
+        self.intervals, self.goal = intervals, goal
+        self.pointing = pointing
+        self.directions = pointing.directions(np.zeros(1), _UPRIGHT)[0]
+        self.actuation = actuation(craft)
+        wheels = craft.wheels
+        self.start = AttitudeState(
+            jnp.asarray(departure.q_ob),
+            jnp.asarray(departure.omega_ob),
+            jnp.asarray(departure.omega_bw),
+        )
+        momentum = np.asarray(total_momentum(craft, departure.omega_ob, departure.omega_bw))
+        limited = bool(np.isfinite(np.asarray(wheels.speed_limit)).any())
+        self.form = ReorientationForm(
+            BodyForm(
+                goal.attitude,
+                goal.integration,
+                "own" if not wheels.count else self._momentum_form(momentum),
+                goal.substeps,
+                _LARGEST_MRP,
+            ),
+            time_limited=goal.shortest > 0.0 or np.isfinite(goal.longest),
+            speed_limited=limited,
+            cones=len(pointing.cones),
+            rate_limited=pointing.rate_limit is not None,
+        )
+        self.program = reorientation(self.form, self.actuation.size)
+        self.momentum = momentum
+        self.parameters = self._parameters()
+
+    def _momentum_form(self, momentum: Floats) -> str:
+        still = float(np.linalg.norm(momentum)) <= _AT_REST and not self.craft.thrusters.count
+        return "zero" if still else "carried"
+
+    def _parameters(self) -> ReorientationParameters:
+        craft, wheels, a = self.craft, self.craft.wheels, self.actuation
+        q = np.asarray(self.departure.q_ob)
+        attitude = np.asarray(mrp.from_quaternion(q)) if self.form.body.attitude == "mrp" else q
+        begin = [attitude, self.departure.omega_ob]
+        if self.form.body.momentum == "carried":
+            begin.append(self.momentum)
+        goal = self.goal
+        return ReorientationParameters(
+            body=FreeBody(
+                jnp.asarray(craft.inertia),
+                jnp.asarray(np.linalg.inv(np.asarray(craft.inertia_without_spin))),
+            ),
+            start=jnp.asarray(np.concatenate(begin)),
+            step=jnp.asarray(1.0),
+            share=jnp.ones(self.intervals),
+            reference=jnp.asarray(self.reference(1.0)),
+            reference_rate=jnp.asarray(self.aim.omega_ob),
+            to_body=jnp.asarray(a.to_body),
+            to_external=jnp.asarray(a.to_external),
+            lower=jnp.asarray(a.lower),
+            upper=jnp.asarray(a.upper),
+            scale=jnp.asarray(a.scale),
+            effort_weight=jnp.asarray(goal.effort_weight),
+            shortest=jnp.asarray(max(goal.shortest, 1e-9)),
+            longest=jnp.asarray(min(goal.longest, 1e9)),
+            limits=self.limits(np.zeros(len(self.pointing.cones) + 1)),
+            directions=jnp.asarray(self.directions),
+            wheel_speed=jnp.asarray(self.departure.omega_bw),
+            wheel_axes=jnp.asarray(wheels.axes),
+            wheel_inertia=jnp.asarray(wheels.inertia),
+            to_wheels=jnp.asarray(a.to_wheels),
+            speed_limit=jnp.asarray(wheels.speed_limit),
+        )
+
+    def weighing(self, effort_weight: float) -> ReorientationTask:
+        """The same turn with another weight of effort, rho [1/(N m)^2]."""
+        other = copy.copy(self)
+        other.goal = replace(self.goal, effort_weight=effort_weight)
+        other.parameters = replace(self.parameters, effort_weight=jnp.asarray(effort_weight))
+        return other
+
+    def limits(self, guard: Floats) -> PointingLimits:
+        """Cones and rates for the solver, taken stricter than they are; see `Pointing.path`."""
+        return self.pointing.path(self.directions[None], guard).limits
+
+    def turn(self, sign: float) -> Floats:
+        """MRP of the target relative to the start, the short way (1) or the long way (-1), (3,)."""
+        begin, end = np.asarray(self.departure.q_ob), np.asarray(self.aim.q_ob)
+        relative = np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
+        relative = relative * (sign if relative[0] >= 0.0 else -sign)
+        if 1.0 + relative[0] < _AT_REST:
+            return np.zeros(3)  # a whole turn, which no MRP holds and nobody wants
+        return np.asarray(relative[1:] / (1.0 + relative[0]))
+
+    def reference(self, sign: float) -> Floats:
+        """The target attitude in the programme's coordinates, for the short or the long way."""
+        sigma = self.turn(sign)
+        squared = float(sigma @ sigma)
+        relative = np.concatenate([[1.0 - squared], 2.0 * sigma]) / (1.0 + squared)
+        end = np.asarray(quaternion.multiply(np.asarray(self.departure.q_ob), relative))
+        if self.form.body.attitude == "mrp":
+            return np.asarray(mrp.from_quaternion(end, short=False))
+        return end
+
+    @property
+    def at_target(self) -> bool:
+        """Whether the start is the target already, to the last digits."""
+        turned = float(np.linalg.norm(self.turn(1.0)))
+        moved = np.abs(np.asarray(self.aim.omega_ob) - np.asarray(self.departure.omega_ob)).max()
+        return turned < _AT_REST and float(moved) < _AT_REST
+
+    def torques(self, u: Floats) -> Floats:
+        """Torques of wheels and thrusters, (S, N, n + m) [N m], of scaled controls."""
+        return self.actuation.torques(u)
+
+    def fly(self, torque: Floats, step: Floats, between: int = 1) -> Trajectory:
+        """Fly torques (S, N, n + m) [N m] held for steps (S,) [s], at least 20 RK4 steps each.
+
+        between : nodes of the flight an interval.
+        """
+        substeps = -(-MINIMUM_SUBSTEPS // between)
+        fine = np.repeat(torque, between, axis=1)
+        table = tabulate(_INERTIAL, 0.0, 1.0, fine.shape[1], substeps)
+        h = np.broadcast_to(np.asarray(step, float), (len(torque),)) / (between * substeps)
+        craft, start = self.craft, self.start
+        return in_chunks(
+            lambda chunk: _fly_many(craft, start, chunk[0], table, chunk[1]),
+            (fine, h),
+            key=("fly reorientation", fine.shape[1:], substeps),
+        )
+
+    def fly_on(
+        self, state: AttitudeState, torque: Floats, duration: float, steps: int
+    ) -> AttitudeState:
+        """State after torques (n + m,) [N m] held for a duration [s], in so many RK4 steps."""
+        return _fly_on(self.craft, state, torque, duration / steps, steps)
+
+    def angle_to_target(self, q: Floats) -> float:
+        """Angle [rad] between an attitude (4,) and the target."""
+        return float(_angle(self.aim.q_ob, q))
+
+    @property
+    def tolerances(self) -> dict[str, float]:
+        """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
+        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+
+    def judge(self, flown: Trajectory, torque: Floats) -> Verdict:
+        """Errors of flights at their end, and limits at all of their nodes."""
+        wheels, thrusters, n = self.craft.wheels, self.craft.thrusters, self.craft.wheels.count
+        q = np.asarray(flown.q_ob)
+        found = {
+            "attitude": np.asarray(_angle(self.aim.q_ob, q[:, -1])),
+            "rate": np.linalg.norm(np.asarray(flown.omega_ob)[:, -1] - self.aim.omega_ob, axis=-1),
+        }
+        wheel, thrust = torque[..., :n], torque[..., n:]
+        excess = np.concatenate(
+            [
+                np.abs(wheel) - np.asarray(wheels.torque_limit),
+                np.maximum(thrust - np.asarray(thrusters.torque_limit), -thrust),
+            ],
+            axis=-1,
+        )
+        worst = [np.zeros(len(q))]
+        speed = np.abs(np.asarray(flown.omega_bw)) / np.asarray(wheels.speed_limit) - 1.0
+        worst.append(speed.max(axis=(1, 2), initial=-1.0))
+        if self.pointing:
+            worst.append(self.watch(flown).violation)
+        return Verdict(
+            found,
+            self.tolerances,
+            np.maximum(0.0, excess.max(axis=(1, 2), initial=0.0)),
+            np.max(worst, axis=0),
+        )
+
+    def watch(self, flown: Trajectory) -> Watch:
+        """Angles of all cones and rates at the nodes of flights."""
+        q = np.asarray(flown.q_ob)
+        shape = (*q.shape[:2], *self.directions.shape)
+        boresights = np.reshape([cone.boresight for cone in self.pointing.cones], (-1, 3))
+        angles = in_chunks(
+            lambda chunk: _angles(
+                chunk, np.broadcast_to(self.directions, (len(chunk), *shape[1:])), boresights
+            ),
+            q,
+            key=("cone angles", shape[1:]),
+        )
+        return Watch(self.pointing, angles, np.abs(np.asarray(flown.omega_ib)))
+
+    def effort(self, torque: Floats, step: Floats) -> Floats:
+        """Integral of the sum of squared torques, (S,) [(N m)^2 s]."""
+        return np.asarray((torque**2).sum(axis=(-2, -1)) * step)
+
+    def cost(self, torque: Floats, step: Floats) -> Floats:
+        """Final time and weighted effort, (S,) [s]; eq. (22) of the source with all N terms."""
+        return self.intervals * step + self.goal.effort_weight * self.effort(torque, step)
+
+
+# NumPy, not JAX: an array made at import would start the backend before `configure` has set it up.
+_INERTIAL = Surroundings(None, *(np.asarray(x) for x in (1.0, 0.0, 0.0, 0.0)))  # type: ignore[arg-type]

@@ -1,0 +1,69 @@
+"""What is compiled ahead is what the search then calls."""
+
+import jax
+import numpy as np
+import pytest
+
+from jaxatt import scenarios
+from jaxatt.optimize.reweighting.condensed import Reweighting
+from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.search.ahead import compiled_ahead
+from jaxatt.problems.hands_off.search.batch import broadcast_lanes, sparsify_chunk
+from jaxatt.problems.hands_off.search.polish import Method, count_arguments, decide, polish
+from jaxatt.problems.hands_off.search.starts import draw
+from jaxatt.runtime.compilation import Routine
+
+
+@pytest.fixture(scope="module")
+def task():
+    return build_task(scenarios.load("hypso1-90-45-15"), enforce_speed_limits=False)
+
+
+@pytest.fixture
+def compiled():
+    """Names of what is traced, lowered or compiled from now on."""
+    seen = []
+
+    def listen(event, duration, **about):
+        if event.startswith("/jax/core/compile/"):
+            seen.append(str(about.get("fun_name")))
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    yield seen
+    jax.monitoring.unregister_event_duration_listener(listen)
+
+
+def test_a_search_finds_all_its_large_programs_ready(task, compiled):
+    method = Method("l0", rows=11)  # a size that no other test has had compiled
+    with compiled_ahead(task, method):
+        pass
+    begun = {name for name in compiled if name.startswith("jit(")}
+    assert begun
+    compiled.clear()
+    starts = draw(1, 11, task.intervals, task.size, 0.2)
+    u, supports = decide(task, starts, method)
+    answers = polish(task, u, supports, starts.sign, method)
+    assert answers.verdict.reached.all()
+    assert not begun & set(compiled)
+
+
+def test_a_kept_program_of_a_search_gives_the_same_bits(task, compiled, tmp_path):
+    method = Method("l0", rows=8)
+    form, free = method.form(task), task.arguments.free
+    u = 0.01 * np.random.default_rng(5).normal(size=(8, task.intervals, task.size))
+    lanes = broadcast_lanes(u, free, task.arguments.row_weight, np.ones(8))
+    args = form, lanes, count_arguments(task), Reweighting()
+    found = []
+    before = jax.config.values["jax_compilation_cache_dir"]
+    jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+    try:
+        for _ in range(2):
+            compiled.clear()
+            answer = Routine(sparsify_chunk.__wrapped__, statics=1)(*args)
+            found.append((answer, "flat" in compiled))
+    finally:
+        jax.config.update("jax_compilation_cache_dir", before)
+    (made, traced), (again, retraced) = found
+    assert (traced, retraced) == (True, False)
+    for one, other in zip(*map(jax.tree.leaves, (made, again)), strict=True):
+        np.testing.assert_array_equal(one, other)
