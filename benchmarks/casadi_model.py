@@ -116,7 +116,7 @@ def numbers_of(task: Task) -> SlewNumbers:
         raise ValueError("not a slew")
     table, craft, begin = task.table, task.craft, task.start
     disturbed = np.any(table.stages.gradient) or np.any(table.stages.disturbance)
-    if disturbed or task.passage is not None or task.has_speed_limits or task.axes != "body":
+    if disturbed or task.waypoint is not None or task.has_speed_limits or task.axes != "body":
         raise ValueError(
             "the seven-state model has no disturbances, waypoints, speed limits or wheel axes"
         )
@@ -128,7 +128,7 @@ def numbers_of(task: Task) -> SlewNumbers:
     )
     to_body = np.linalg.inv(relative[list(chosen)])
     orbit = orbit_attitude(table, task.intervals)
-    reference = np.asarray(task.aim.q_ob)
+    reference = np.asarray(task.target.q_ob)
     carried = rotation(reference).T @ np.asarray(table.nodes.orbit_rate[task.intervals])
     momentum = total_momentum(craft, begin.omega_ib, begin.omega_bw)
     return SlewNumbers(
@@ -137,7 +137,7 @@ def numbers_of(task: Task) -> SlewNumbers:
         start=start,
         start_rate=np.asarray(begin.omega_ib),
         target=multiply(orbit[-1], reference),
-        target_rate=carried + np.asarray(task.aim.omega_ob),
+        target_rate=carried + np.asarray(task.target.omega_ob),
         orbit=orbit,
         to_body=to_body,
         other_wheels=np.delete(relative, chosen, axis=0) @ to_body,

@@ -35,9 +35,10 @@ from benchmarks.attempts import Attempt, Solve
 from benchmarks.casadi_compiled import compiled_solver
 from benchmarks.cases import scenario_of
 from jaxatt.environment import kepler
-from jaxatt.problems.hands_off.build import build_task, surroundings_of
+from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.pd_flight import fly_pd
 from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.surroundings import surroundings_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -117,12 +118,12 @@ class Chain:
     def terminal_cost(self) -> ca.Function:
         """k1 f + k2 g of (5.2), the absolute value smoothed by (2.48)."""
         x = ca.SX.sym("x", self.size)
-        aim, weights = self.task.aim, self.task.goal.weights
+        target, weights = self.task.target, self.task.goal.weights
         n = self.craft.wheels.count
         relative = x[4:7] - to_body(x[:4], orbit_rate(x[7 + n : 10 + n], x[10 + n :]))
-        along = ca.dot(x[:4], ca.DM(np.asarray(aim.q_ob)))
+        along = ca.dot(x[:4], ca.DM(np.asarray(target.q_ob)))
         distance = 1.0 - ca.sqrt(along**2 + SMOOTHING / 4.0)
-        rate = ca.sumsqr(relative - ca.DM(np.asarray(aim.omega_ob)))
+        rate = ca.sumsqr(relative - ca.DM(np.asarray(target.omega_ob)))
         return ca.Function("cost", [x], [weights.rate * rate + weights.attitude * distance])
 
     def program(self, kind: str) -> tuple[dict[str, ca.MX], dict[str, Floats]]:

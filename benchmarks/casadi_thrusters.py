@@ -70,7 +70,7 @@ def program(task: SlewTask, step: ca.Function) -> dict[str, ca.MX]:
     gaps = step.map(n)(begin, controls) - states
     u, s = ca.SX.sym("u", b), ca.SX.sym("s")
     path = ca.Function("path", [u, s], [u * s]).map(n)(controls, xi)
-    x, r = ca.SX.sym("x", 7), np.asarray(task.aim.q_ob)
+    x, r = ca.SX.sym("x", 7), np.asarray(task.target.q_ob)
     error = r[0] * x[1:4] - x[0] * ca.DM(r[1:]) - ca.cross(ca.DM(r[1:]), x[1:4])
     terminal = ca.Function("terminal", [x], [ca.vertcat(2.0 * error, _RATE_SCALE * x[4:])])
     return {
@@ -96,7 +96,7 @@ def guess(task: SlewTask, step: ca.Function, seed: int, index: int) -> Floats:
     """Two bursts of random length, either way round, flown; as variables of `program`."""
     rng = np.random.default_rng([seed, index])
     n, b = task.intervals, task.size
-    q, r = np.asarray(task.start.q_ob), np.asarray(task.aim.q_ob)
+    q, r = np.asarray(task.start.q_ob), np.asarray(task.target.q_ob)
     axis = q[0] * r[1:] - r[0] * q[1:] - np.cross(q[1:], r[1:])
     axis *= rng.choice([-1.0, 1.0]) / np.linalg.norm(axis)
     wanted = np.asarray(task.craft.inertia) @ axis

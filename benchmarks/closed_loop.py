@@ -23,7 +23,7 @@ import numpy as np  # noqa: E402
 
 from jaxatt.attitude import quaternion  # noqa: E402
 from jaxatt.environment import frames, kepler  # noqa: E402
-from jaxatt.problems.hands_off.build import elements_of  # noqa: E402
+from jaxatt.problems.surroundings import elements_of  # noqa: E402
 from jaxatt.scenarios import load_flight, replace_in_flight  # noqa: E402
 from jaxatt.scenarios.flight_build import build_flight  # noqa: E402
 from jaxatt.simulation.campaign import fly_runs  # noqa: E402

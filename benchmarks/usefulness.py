@@ -11,7 +11,8 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 
 ALLOWED = {"attitude": float(np.deg2rad(0.1)), "rate": 1e-4, "state": 1e-5}
 """Largest errors at the end: [rad], [rad/s] and units of the toy's state."""

@@ -7,13 +7,15 @@ from jaxatt.pipeline.simulate import simulate
 from jaxatt.pipeline.solve import solve
 from jaxatt.report.archive import open_archive
 from jaxatt.report.flight_result import FlightResult
-from jaxatt.report.result import Leg, Result
+from jaxatt.report.result import Phase, Result
 from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.studies.comparison import compare
 from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.relative_sparsity import relative_sparsity
+
+Leg = Phase  # its earlier name
 
 __all__ = [
     "Certificate",
@@ -22,6 +24,7 @@ __all__ = [
     "FlightResult",
     "Leg",
     "Minimum",
+    "Phase",
     "Result",
     "Scenario",
     "ScenarioError",

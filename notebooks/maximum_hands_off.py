@@ -67,9 +67,9 @@ def solve(scenario, **options):
 
 
 def indices(result):
-    """Active intervals, leg by leg."""
-    legs = [indices_text(np.flatnonzero(leg.active).tolist()) for leg in result.legs]
-    return "; ".join(leg or "none" for leg in legs)
+    """Active intervals, phase by phase."""
+    phases = [indices_text(np.flatnonzero(phase.active).tolist()) for phase in result.phases]
+    return "; ".join(phase or "none" for phase in phases)
 
 
 def printed_rows(scenario, number):
@@ -238,9 +238,9 @@ studies["hypso1-75-50-15"] = study("hypso1-75-50-15")
 rows = []
 for name, comparison in studies.items():
     for kind in ("l1", "l0"):
-        leg = comparison.results[kind].legs[0]
-        slack = np.abs(leg.controls).max(axis=1).sum()
-        rows.append([name, kind.upper(), leg.active_intervals, f"{1e3 * slack:.4f}"])
+        phase = comparison.results[kind].phases[0]
+        slack = np.abs(phase.controls).max(axis=1).sum()
+        rows.append([name, kind.upper(), phase.active_intervals, f"{1e3 * slack:.4f}"])
 table(["case", "controller", "active intervals", "sum of largest components [mN m]"], rows)
 
 # %% [markdown]
@@ -268,8 +268,8 @@ printed_designs = printed_rows(single, "5.4")
 third = scenarios.replace(single, {"objective.design": 3})
 designs = {1: studies["hypso1-90-0-0"].results["l0"]}
 designs[2], _ = solve(scenarios.replace(single, {"objective.design": 2}))
-_, parts = build_task(third).verify(designs[2].legs[0].controls[None])
-costs = {number: result.legs[0].total_cost for number, result in designs.items()}
+_, parts = build_task(third).verify(designs[2].phases[0].controls[None])
+costs = {number: result.phases[0].total_cost for number, result in designs.items()}
 costs[3] = float(sum(part[0] for part in parts.values()))
 rows = []
 for number, cost in costs.items():
@@ -280,7 +280,7 @@ for number, cost in costs.items():
             printed["active_intervals"],
             result.active_intervals,
             indices(result),
-            int((result.legs[0].controls != 0.0).sum()),
+            int((result.phases[0].controls != 0.0).sum()),
             f"{cost:.3f}",
             f"{printed['cpu_time_nlp_s']}, {printed['iterations']}",
         ]
@@ -336,7 +336,7 @@ guesses = {
     "all ones, the full limit": (np.full((50, 3), 3e-3), "All ones"),
     "PD to (45, 30, 15)": (pd_torque(other), "PD (45, 30, 15)"),
     "L1": ("l1", None),
-    "L0 itself": (known.legs[0].controls, "L0 init"),
+    "L0 itself": (known.phases[0].controls, "L0 init"),
 }
 guessed = {}
 rows = []
@@ -348,7 +348,7 @@ for label, (guess, row) in guesses.items():
             label,
             guessed[label].status,
             indices(guessed[label]),
-            f"{1e3 * guessed[label].legs[0].effort:.4f}",
+            f"{1e3 * guessed[label].phases[0].effort:.4f}",
             f"{starts['reached_target']} of {starts['requested']}",
             f"{seconds:.1f}",
             row,
@@ -393,13 +393,13 @@ frames = {}
 rows = []
 for axes, row in {"body": "Body-frame {b}", "wheels": "Wheel-frame {w}"}.items():
     frames[axes], seconds = solve(scenarios.replace(turn, {"control.axes": axes}))
-    leg, printed = frames[axes].legs[0], printed_frames[row]
+    phase, printed = frames[axes].phases[0], printed_frames[row]
     rows.append(
         [
             axes,
             indices(frames[axes]),
-            f"{1e3 * leg.effort:.6f}",
-            f"{1e3 * np.abs(leg.series['torque_wheels']).max():.4f}",
+            f"{1e3 * phase.effort:.6f}",
+            f"{1e3 * np.abs(phase.series['torque_wheels']).max():.4f}",
             f"{seconds:.1f}",
             printed["iterations"],
             printed["cpu_time_nlp_s"],
@@ -421,8 +421,8 @@ table(
 # %% [markdown]
 # ## Tables 6.6 and 6.7: a path by two optimisations
 #
-# From (0, 0, 0) to (30, 45, 15) and back, 70 s each way. The second leg starts from the flown end
-# of the first, wheel speeds included. Both legs have the window 20 to 30.
+# From (0, 0, 0) to (30, 45, 15) and back, 70 s each way. The second phase starts from the flown end
+# of the first, wheel speeds included. Both phases have the window 20 to 30.
 
 # %%
 studies["hypso1-path-two"] = study("hypso1-path-two")
@@ -432,14 +432,14 @@ two = studies["hypso1-path-two"]
 names = {"L0": "l0", "Moving L0": "moving-l0", "L1": "l1"}
 rows = []
 for label, printed in printed_rows(two.scenario, "6.7").items():
-    leg = two.results[names[label.split(",")[0]]].legs[printed["leg"] - 1]
+    phase = two.results[names[label.split(",")[0]]].phases[printed["leg"] - 1]
     rows.append(
         [
             label,
             printed.get("active_intervals"),
-            leg.active_intervals,
+            phase.active_intervals,
             printed.get("active_outside_windows"),
-            leg.active_outside_windows,
+            phase.active_outside_windows,
             printed["iterations"],
             printed["cpu_time_nlp_s"],
         ]
@@ -490,9 +490,9 @@ rows = []
 for name, comparison in studies.items():
     result = comparison.results["moving-l0"]
     printed = comparison.scenario.printed.get("moving-l0", {})
-    inside = [np.flatnonzero(leg.active & leg.window).tolist() for leg in result.legs]
-    outside = [np.flatnonzero(leg.active & ~leg.window).tolist() for leg in result.legs]
-    weighted = sum(leg.weighted_active_intervals for leg in result.legs)
+    inside = [np.flatnonzero(phase.active & phase.window).tolist() for phase in result.phases]
+    outside = [np.flatnonzero(phase.active & ~phase.window).tolist() for phase in result.phases]
+    weighted = sum(phase.weighted_active_intervals for phase in result.phases)
     rows.append(
         [
             name,
@@ -540,7 +540,7 @@ table(
             label,
             result.status,
             indices(result),
-            f"{1e3 * result.legs[0].effort:.4f}",
+            f"{1e3 * result.phases[0].effort:.4f}",
             f"{result.summary()['attitude_error_deg']:.1e}",
         ]
         for label, result in forbidden.items()
@@ -569,9 +569,9 @@ table(
             name,
             kind.upper(),
             result.status,
-            f"{result.legs[0].effort:.6f}",
+            f"{result.phases[0].effort:.6f}",
             f"{EXACT:.6f}" if name == "double-integrator" and kind == "l1" else None,
-            f"{result.active_intervals * result.legs[0].step:.2f}",
+            f"{result.active_intervals * result.phases[0].step:.2f}",
         ]
         for (name, kind), result in toys.items()
     ],

@@ -91,9 +91,9 @@ turns = {k: jaxatt.solve(f"mrp-k{k}-rk4", starts=STARTS) for k in WHEELS}
 figure = picture(7.0, 6.0, "As figure 4: MRP for rho = 0.01")
 rows = figure.subplots(3, 1, sharex=True)
 for index, (k, result) in enumerate(turns.items()):
-    leg = result.legs[0]
-    time = leg.step * np.arange(len(leg.series["q_ob"]))
-    sigma = np.asarray(mrp.from_quaternion(leg.series["q_ob"]))
+    phase = result.phases[0]
+    time = phase.step * np.arange(len(phase.series["q_ob"]))
+    sigma = np.asarray(mrp.from_quaternion(phase.series["q_ob"]))
     for axis, axes in enumerate(rows):
         axes.plot(time, sigma[:, axis], color=colour(index), label=f"K = {k}")
         axes.set_ylabel(rf"$\sigma_{axis + 1}$")
@@ -106,11 +106,11 @@ table(
     [
         [
             k,
-            f"{r.legs[0].final_time:.4f}",
-            f"{r.legs[0].step:.4f}",
-            f"{r.legs[0].control_effort:.4f}",
+            f"{r.phases[0].final_time:.4f}",
+            f"{r.phases[0].step:.4f}",
+            f"{r.phases[0].control_effort:.4f}",
             f"{r.summary()['attitude_error_deg']:.1e}",
-            f"{100 * r.legs[0].time_optimum.share:.0f} %",
+            f"{100 * r.phases[0].time_optimum.share:.0f} %",
         ]
         for k, r in turns.items()
     ],
@@ -122,8 +122,8 @@ table(
 # %%
 display(Markdown("*As figure 5:*"))
 figure = picture(7.0, 7.0, "Wheel torques for rho = 0.01 and K = 5")
-torque = turns[5].legs[0].series["torque_wheels"]
-edges = turns[5].legs[0].step * np.arange(len(torque) + 1)
+torque = turns[5].phases[0].series["torque_wheels"]
+edges = turns[5].phases[0].step * np.arange(len(torque) + 1)
 for wheel, axes in enumerate(figure.subplots(5, 1, sharex=True)):
     axes.stairs(torque[:, wheel], edges, baseline=0.0, color=colour(wheel), fill=True, alpha=0.6)
     axes.set_ylabel(f"$u_{wheel + 1}$ [N m]")
@@ -149,10 +149,10 @@ swept = {
 figure = picture(7.0, 6.0, "As figure 6: time and effort against rho")
 above, below = figure.subplots(2, 1, sharex=True)
 for index, k in enumerate(WHEELS):
-    legs = [swept[k, rho].legs[0] for rho in WEIGHTS]
+    phases = [swept[k, rho].phases[0] for rho in WEIGHTS]
     style = {"color": colour(index), "marker": "o", "label": f"K = {k}"}
-    above.semilogx(WEIGHTS, [leg.final_time for leg in legs], **style)
-    below.semilogx(WEIGHTS, [leg.control_effort for leg in legs], **style)
+    above.semilogx(WEIGHTS, [phase.final_time for phase in phases], **style)
+    below.semilogx(WEIGHTS, [phase.control_effort for phase in phases], **style)
 above.set_ylabel("final time [s]")
 below.set_ylabel("effort [(N m)$^2$ s]")
 below.set_xlabel(r"$\rho$ [1/(N m)$^2$]")
@@ -165,8 +165,8 @@ table(
     [
         [
             f"{rho:g}",
-            *(f"{swept[k, rho].legs[0].final_time:.4f}" for k in WHEELS),
-            *(f"{swept[k, rho].legs[0].control_effort:.4f}" for k in WHEELS),
+            *(f"{swept[k, rho].phases[0].final_time:.4f}" for k in WHEELS),
+            *(f"{swept[k, rho].phases[0].control_effort:.4f}" for k in WHEELS),
         ]
         for rho in WEIGHTS
     ],
@@ -183,7 +183,7 @@ table(
 figure = picture(7.0, 6.0, "As figure 7: body rates for K = 5")
 rows = figure.subplots(3, 1, sharex=True)
 for index, rho in enumerate(THREE):
-    rate = swept[5, rho].legs[0].series["omega_ib"]
+    rate = swept[5, rho].phases[0].series["omega_ib"]
     for axis, axes in enumerate(rows):
         share = np.linspace(0.0, 1.0, len(rate))
         axes.plot(share, rate[:, axis], color=colour(index), label=rf"$\rho$ = {rho:g}")
@@ -197,7 +197,7 @@ display(figure)
 figure = picture(7.0, 9.0, "As figure 8: wheel torques for K = 5")
 rows = figure.subplots(5, 1, sharex=True)
 for index, rho in enumerate(THREE):
-    torque = swept[5, rho].legs[0].series["torque_wheels"]
+    torque = swept[5, rho].phases[0].series["torque_wheels"]
     for wheel, axes in enumerate(rows):
         share = np.linspace(0.0, 1.0, len(torque) + 1)
         axes.stairs(torque[:, wheel], share, color=colour(index), label=rf"$\rho$ = {rho:g}")
@@ -219,7 +219,7 @@ def straightness(values):
     return 1.0 - np.sum(residual**2) / np.sum((values - values.mean()) ** 2)
 
 
-calm = swept[5, 10.0].legs[0].series["torque_wheels"]
+calm = swept[5, 10.0].phases[0].series["torque_wheels"]
 straight = [straightness(calm[:, wheel]) for wheel in range(5)]
 table(
     ["wheel", "largest torque [N m]", "R^2"],

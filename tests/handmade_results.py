@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jaxatt import scenarios
-from jaxatt.report.result import Leg, Result, StartsRecord
+from jaxatt.report.result import Phase, Result, StartsRecord
 from jaxatt.report.time_optimum import TimeOptimum, switch_times
 
 ACTIVE = (0, 20, 49)
@@ -29,8 +29,8 @@ def starts_record(count: int = 6) -> StartsRecord:
     )
 
 
-def spacecraft_leg(scenario: scenarios.Scenario, index: int = 0, **changes: Any) -> Leg:
-    """A leg that turns about x and fires in the intervals of `ACTIVE`."""
+def spacecraft_phase(scenario: scenarios.Scenario, index: int = 0, **changes: Any) -> Phase:
+    """A phase that turns about x and fires in the intervals of `ACTIVE`."""
     horizon, target = scenario.horizon, scenario.targets[index]
     count, nodes = horizon.intervals, horizon.intervals + horizon.coast_intervals + 1
     assert scenario.vehicle is not None
@@ -39,7 +39,7 @@ def spacecraft_leg(scenario: scenarios.Scenario, index: int = 0, **changes: Any)
     half = 0.5 * np.minimum(1.0, np.arange(nodes) / count)
     rolled = np.stack([np.cos(half), np.sin(half), 0 * half, 0 * half], axis=1)
     angle = scenario.waypoint is not None
-    leg = Leg(
+    phase = Phase(
         start_time=index * horizon.duration,
         step=horizon.step,
         controls=torque,
@@ -65,19 +65,19 @@ def spacecraft_leg(scenario: scenarios.Scenario, index: int = 0, **changes: Any)
         objective={"rate": 1.0, "attitude": 2.0, "sparsity": 20.0},
         effort=5.6e-3,
         reached=True,
-        obstacle="",
+        failure_reason="",
         active=np.abs(torque).max(axis=1) > 1e-6,
         starts=starts_record(),
     )
-    return dataclasses.replace(leg, **changes)
+    return dataclasses.replace(phase, **changes)
 
 
-def toy_leg(scenario: scenarios.Scenario) -> Leg:
-    """A leg of the double integrator."""
+def toy_phase(scenario: scenarios.Scenario) -> Phase:
+    """A phase of the double integrator."""
     count = scenario.horizon.intervals
     control = np.zeros((count, 1))
     control[:10] = -1.0
-    return Leg(
+    return Phase(
         start_time=0.0,
         step=scenario.horizon.step,
         controls=control,
@@ -94,16 +94,16 @@ def toy_leg(scenario: scenarios.Scenario) -> Leg:
         objective={"sparsity": 10.0},
         effort=0.5,
         reached=True,
-        obstacle="",
+        failure_reason="",
         active=np.abs(control[:, 0]) > 0,
         starts=starts_record(),
     )
 
 
-def assemble(scenario: scenarios.Scenario, *legs: Leg) -> Result:
+def assemble(scenario: scenarios.Scenario, *phases: Phase) -> Result:
     return Result(
         scenario=scenario,
-        legs=legs,
+        phases=phases,
         seed=7,
         time={"compile": 1.5, "solve": 2.5, "verify": 0.25},
         device="cpu",
@@ -114,30 +114,30 @@ def assemble(scenario: scenarios.Scenario, *legs: Leg) -> Result:
 
 
 def handmade(name: str = "hypso1-90-45-15", **changes: Any) -> Result:
-    """Result of a bundled scenario; keyword arguments change every leg of a spacecraft."""
+    """Result of a bundled scenario; keyword arguments change every phase of a spacecraft."""
     scenario = scenarios.load(name)
     if scenario.vehicle is None:
-        return assemble(scenario, toy_leg(scenario))
-    legs = [spacecraft_leg(scenario, i, **changes) for i in range(len(scenario.targets))]
-    return assemble(scenario, *legs)
+        return assemble(scenario, toy_phase(scenario))
+    phases = [spacecraft_phase(scenario, i, **changes) for i in range(len(scenario.targets))]
+    return assemble(scenario, *phases)
 
 
 def resting() -> Result:
     """A penalty answer that does nothing, with another that reaches."""
     scenario = scenarios.replace(scenarios.load("hypso1-45-0-0"), {"objective.terminal": "penalty"})
     count = scenario.horizon.intervals
-    leg = spacecraft_leg(
+    phase = spacecraft_phase(
         scenario,
         active=np.zeros(count, bool),
         controls=np.zeros((count, 3)),
         objective={"rate": 0.0, "attitude": 7.612, "sparsity": 0.0},
         reached=False,
-        obstacle="the target attitude is missed",
-        alternative=spacecraft_leg(
+        failure_reason="the target attitude is missed",
+        alternative=spacecraft_phase(
             scenario, objective={"rate": 0.0, "attitude": 0.0, "sparsity": 20.0}
         ),
     )
-    return assemble(scenario, leg)
+    return assemble(scenario, phase)
 
 
 def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Result:
@@ -165,7 +165,7 @@ def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Resul
     limit = np.full(vehicle.actuators, 0.55)
     record = starts_record()
     cost = np.array([25.0, 24.5, 24.5, 82.0, math.nan, 24.5])
-    leg = Leg(
+    phase = Phase(
         start_time=0.0,
         step=step,
         controls=torque,
@@ -182,7 +182,7 @@ def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Resul
         objective={"time": step * count, "effort": 0.5},
         effort=12.0,
         reached=True,
-        obstacle="",
+        failure_reason="",
         active=np.abs(torque).max(axis=1) > 0.0,
         starts=record,
         time_optimum=TimeOptimum(
@@ -202,4 +202,4 @@ def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Resul
             integration=scenario.transcription.integration,
         ),
     )
-    return assemble(scenario, leg)
+    return assemble(scenario, phase)

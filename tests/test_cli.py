@@ -115,7 +115,8 @@ def test_quiet_says_one_line(here, monkeypatch):
 
 def test_nothing_that_reaches_ends_with_3_and_says_what_was_in_the_way(here, monkeypatch):
     answer(
-        monkeypatch, handmade_results.handmade(reached=False, obstacle="the target rate is missed")
+        monkeypatch,
+        handmade_results.handmade(reached=False, failure_reason="the target rate is missed"),
     )
     found = run("solve", "hypso1-90-45-15")
     assert found.exit_code == 3

@@ -10,7 +10,7 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.studies.baseline import fly_pd_legs
+from jaxatt.studies.baseline import fly_pd_phases
 
 PIECES = 12
 SHORT = {
@@ -88,7 +88,7 @@ def test_slews_go_round_random_cones(seed):
     assert reflight.cone_angle(crossing, *cone[:2]).min() < cone[2]
     scenario = short(keep_out=[keep_out("camera", *cone), *OUT_OF_THE_WAY])
     result = jaxatt.solve(scenario)
-    assert result.reached, result.legs[0].obstacle
+    assert result.reached, result.phases[0].failure_reason
     reflight.assert_reached(scenario, result)
     flown = reflight.refly(scenario, result, PIECES)[0][1]
     nearest = reflight.cone_angle(flown, *cone[:2]).min()
@@ -108,7 +108,7 @@ def test_a_cone_that_does_not_bind_changes_nothing():
     far = -attitude(crossing, 0) @ np.array([0.0, 0.0, 1.0])
     scenario = short(keep_out=[keep_out("radiator", [0.0, 0.0, 1.0], far, 0.3)])
     result = jaxatt.solve(scenario)
-    np.testing.assert_array_equal(result.legs[0].controls, plain.legs[0].controls)
+    np.testing.assert_array_equal(result.phases[0].controls, plain.phases[0].controls)
     assert result.summary()["pointing"][0]["satisfied"]
 
 
@@ -124,7 +124,10 @@ def test_a_wall_of_cones_is_named_as_the_obstacle():
     cones = [keep_out(f"wall {k}", boresight, d, np.deg2rad(61.0)) for k, d in enumerate(wall)]
     result = jaxatt.solve(short(keep_out=cones))
     assert not result.reached
-    assert "keep-out wall" in result.legs[0].obstacle and "is broken" in result.legs[0].obstacle
+    assert (
+        "keep-out wall" in result.phases[0].failure_reason
+        and "is broken" in result.phases[0].failure_reason
+    )
     assert not all(entry["satisfied"] for entry in result.summary()["pointing"])
 
 
@@ -140,7 +143,7 @@ def test_half_a_turn_past_a_cone_and_slow_enough():
         },
     )
     result = jaxatt.solve(scenario)
-    assert result.reached, result.legs[0].obstacle
+    assert result.reached, result.phases[0].failure_reason
     flown = reflight.refly(scenario, result, PIECES)[0][1]
     assert reflight.cone_angle(flown, *cone[:2]).min() >= cone[2] * (1 - 2e-6)
     assert np.abs(flown.omega).max() <= 1.5 * peak * (1 + 2e-6)
@@ -164,7 +167,7 @@ def test_a_boresight_is_kept_within_a_cone():
     cone = keep_out("antenna", boresight, direction, half)
     scenario = short(keep_in=[cone], keep_out=OUT_OF_THE_WAY)
     result = jaxatt.solve(scenario)
-    assert result.reached, result.legs[0].obstacle
+    assert result.reached, result.phases[0].failure_reason
     flown = reflight.refly(scenario, result, PIECES)[0][1]
     assert reflight.cone_angle(flown, boresight, direction).max() <= half * (1 + 2e-6)
     found = next(e for e in result.summary()["pointing"] if e["name"] == "antenna")
@@ -178,7 +181,7 @@ def test_a_rate_too_slow_for_the_horizon_is_named_as_the_obstacle():
         short(keep_out=[*OUT_OF_THE_WAY, AWAY], **{"limits.body_rate_deg_s": limit})
     )
     assert not result.reached
-    assert "body rate is broken: fastest" in result.legs[0].obstacle
+    assert "body rate is broken: fastest" in result.phases[0].failure_reason
     assert result.summary()["pointing"][-1]["kind"] == "body-rate"
 
 
@@ -186,7 +189,7 @@ def test_certificates_and_feedback_baselines_know_of_cones():
     scenario = short("hypso1-90-45-15-keep-out")
     with pytest.raises(scenarios.ScenarioError, match="cones"):
         jaxatt.certify(scenario)
-    (flown,) = fly_pd_legs(scenario)
+    (flown,) = fly_pd_phases(scenario)
     assert flown.errors["attitude"] < np.pi
 
 
@@ -213,6 +216,6 @@ def test_judges_see_between_the_nodes():
     half = 0.8 * angle[::PIECES].min()
     task = build_task(short(keep_out=[keep_out("slit", boresight, direction, half)]))
     assert isinstance(task, SlewTask)
-    verdict, _ = task.verify(plain.legs[0].controls[None])
+    verdict, _ = task.verify(plain.phases[0].controls[None])
     assert verdict.arrives.all() and not verdict.reached.any()
     assert verdict.margin_violation[0] > 0.5

@@ -41,10 +41,10 @@ def test_thrusters_turn_past_sun_and_moon():
         scenarios.load("eseo-1-keep-out"), {"solver.starts": 8, "horizon.coast_intervals": 2}
     )
     result = jaxatt.solve(scenario)
-    leg = result.legs[0]
-    assert result.reached, leg.obstacle
+    phase = result.phases[0]
+    assert result.reached, phase.failure_reason
     assert 10 <= result.active_intervals <= 14
-    turned, rates = fly(scenario, leg.series["torque_thrusters"], leg.step)
+    turned, rates = fly(scenario, phase.series["torque_thrusters"], phase.step)
     target = wheeled_body.rotation(scenario.targets[0].q_ob)
     assert np.linalg.norm(turned[-1] - target) < 1e-3 and np.linalg.norm(rates[-1]) < 1e-4
     for cone, found in zip(scenario.pointing.cones, result.summary()["pointing"], strict=True):
@@ -52,5 +52,5 @@ def test_thrusters_turn_past_sun_and_moon():
         assert angle.min() >= cone.half_angle * (1 - 2e-6)
         np.testing.assert_allclose(found["nearest_deg"], np.rad2deg(angle.min()), atol=0.05)
     # Valves that are open or shut are judged against the cones as well.
-    valves = leg.quantised[0]
-    assert valves.reached == (not valves.obstacle)
+    valves = phase.quantised[0]
+    assert valves.reached == (not valves.failure_reason)

@@ -45,26 +45,26 @@ def case(key):
 @pytest.mark.parametrize(("name", "rho"), [case(key) for key in IPOPT])
 def test_the_final_time_is_that_of_ipopt(name, rho):
     result = solved(name, rho)
-    leg = result.legs[0]
+    phase = result.phases[0]
     assert result.reached
-    assert leg.final_time == pytest.approx(IPOPT[name, rho], abs=2e-5)
-    assert leg.time_optimum.cost == pytest.approx(leg.final_time + rho * leg.control_effort)
-    assert leg.time_optimum.share >= 0.5
-    assert max(leg.time_optimum.kkt.values()) < 1e-5
+    assert phase.final_time == pytest.approx(IPOPT[name, rho], abs=2e-5)
+    assert phase.time_optimum.cost == pytest.approx(phase.final_time + rho * phase.control_effort)
+    assert phase.time_optimum.share >= 0.5
+    assert max(phase.time_optimum.kkt.values()) < 1e-5
 
 
 def test_the_printed_time_of_four_wheels():
-    leg = solved("mrp-k4").legs[0]
+    phase = solved("mrp-k4").phases[0]
     printed = solved("mrp-k4").scenario.printed["time-effort"]
-    assert leg.final_time == pytest.approx(printed["final_time_s"], abs=5e-4)
-    assert leg.step == pytest.approx(printed["step_s"], abs=5e-5)
+    assert phase.final_time == pytest.approx(printed["final_time_s"], abs=5e-4)
+    assert phase.step == pytest.approx(printed["step_s"], abs=5e-5)
 
 
 @pytest.mark.parametrize("name", ["mrp-k4-rk4", "mrp-k4"])
 def test_the_flight_confirms_runge_kutta_and_tells_eulers_error(name):
-    leg = solved(name).legs[0]
-    off = math.degrees(leg.errors["attitude"])
-    assert leg.time_optimum.own_error < 1e-6
+    phase = solved(name).phases[0]
+    off = math.degrees(phase.errors["attitude"])
+    assert phase.time_optimum.own_error < 1e-6
     if name.endswith("rk4"):
         assert off < 1e-3
     else:
@@ -72,33 +72,33 @@ def test_the_flight_confirms_runge_kutta_and_tells_eulers_error(name):
 
 
 def test_without_saturation_the_effort_is_cheap_and_there_are_no_switches():
-    leg = solved("mrp-k4-rk4", 10.0).legs[0]
-    assert np.abs(leg.series["torque_wheels"]).max() < 0.5
-    assert all(times.size == 0 for times in leg.time_optimum.switch_times)
+    phase = solved("mrp-k4-rk4", 10.0).phases[0]
+    assert np.abs(phase.series["torque_wheels"]).max() < 0.5
+    assert all(times.size == 0 for times in phase.time_optimum.switch_times)
 
 
 def test_the_half_turn_beats_the_turn_about_its_axis():
     result = jaxatt.solve("minimum-time-180", starts=16)
-    leg, printed = result.legs[0], result.scenario.printed["minimum-time"]
+    phase, printed = result.phases[0], result.scenario.printed["minimum-time"]
     assert result.reached
-    assert leg.final_time <= printed["final_time_s"] + 5e-4
-    assert leg.final_time < printed["eigenaxis_final_time_s"] - 0.3
-    assert max(times.size for times in leg.time_optimum.switch_times) > 0
+    assert phase.final_time <= printed["final_time_s"] + 5e-4
+    assert phase.final_time < printed["eigenaxis_final_time_s"] - 0.3
+    assert max(times.size for times in phase.time_optimum.switch_times) > 0
 
 
 def test_quaternions_and_mrp_are_the_same_turn():
     case = scenarios.load("mrp-k4-rk4")
     other = scenarios.replace(case, {"transcription.attitude": "mrp"})
-    found = jaxatt.solve(other, starts=4).legs[0]
-    assert found.final_time == pytest.approx(solved("mrp-k4-rk4").legs[0].final_time, abs=1e-3)
+    found = jaxatt.solve(other, starts=4).phases[0]
+    assert found.final_time == pytest.approx(solved("mrp-k4-rk4").phases[0].final_time, abs=1e-3)
 
 
 def test_a_turn_to_where_one_is_takes_no_time():
     case = scenarios.replace(scenarios.load("mrp-k4-rk4"), {"target.attitude_mrp": [0, 0, 0]})
     result = jaxatt.solve(case, starts=4)
     assert result.reached
-    assert result.legs[0].final_time < 1e-3
-    assert result.legs[0].control_effort < 1e-3
+    assert result.phases[0].final_time < 1e-3
+    assert result.phases[0].control_effort < 1e-3
 
 
 def test_the_summary_is_json(tmp_path):

@@ -1,6 +1,6 @@
 """The command line, one command a file.
 
-Exit codes: 0 when every leg verifiably reached its target or every run flew to the end, 2 for bad
+Exit codes: 0 when every phase verifiably reached its target or every run flew to the end, 2 for bad
 input, 3 when an answer does not reach or a run failed, 130 when interrupted.
 """
 

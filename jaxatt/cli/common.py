@@ -63,17 +63,19 @@ def finish(line: str, files: list[Path], folder: Path, quiet: bool) -> None:
 def shortfall(result: Result) -> str:
     """What was closest, and what stood in its way."""
     parts = []
-    for number, leg in enumerate(result.legs, start=1):
-        if leg.reached:
+    for number, phase in enumerate(result.phases, start=1):
+        if phase.reached:
             continue
-        where = f"Leg {number}: " if len(result.legs) > 1 else ""
-        if leg.alternative is not None:
+        where = f"Leg {number}: " if len(result.phases) > 1 else ""
+        if phase.alternative is not None:
             parts.append(
                 f"{where}The answer of lowest J does not reach the target; the best start that "
                 "does is reported beside it."
             )
         else:
-            parts.append(f"{where}No start reached the target; of the closest, {leg.obstacle}.")
+            parts.append(
+                f"{where}No start reached the target; of the closest, {phase.failure_reason}."
+            )
     return " ".join(parts)
 
 

@@ -44,7 +44,7 @@ def solve(
         scenario, folder = prepared(case, changes, out)
         prepare_jax(compile_cache)
         from jaxatt.pipeline.solve import solve as find
-        from jaxatt.report.tables import resting_sentence, result_table
+        from jaxatt.report.tables import do_nothing_sentence, result_table
         from jaxatt.runtime.progress import Reporter
 
         with Reporter(scenario.solver.starts, quiet) as report:
@@ -55,6 +55,6 @@ def solve(
         finish(repr(result), files, folder, quiet)
         if not result.reached:
             # The table ends with this sentence already.
-            sentence = resting_sentence(result) if quiet else ""
+            sentence = do_nothing_sentence(result) if quiet else ""
             typer.echo(f"{sentence} {shortfall(result)}".strip(), err=True)
             raise typer.Exit(NOT_REACHED)

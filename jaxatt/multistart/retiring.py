@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Progress, in_chunks
 
 EARLY_ITERATIONS = 16

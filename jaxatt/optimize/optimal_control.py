@@ -48,7 +48,7 @@ def _minus(x: Array, reference: Array) -> Array:
     return x - reference
 
 
-class Slopes(NamedTuple):
+class Linearisation(NamedTuple):
     """A stage's dynamics and cost to first order in z, its n error coordinates and b controls.
 
     gap : (n,), the next state that the dynamics give less the one that there is.
@@ -61,7 +61,7 @@ class Slopes(NamedTuple):
 
 
 @dataclass(frozen=True)
-class StagedProgram:
+class OptimalControlProgram:
     """Pure functions of states x (s,), controls u (b,), what a stage has, and a pytree `args`.
 
     Everything that can change from one solve to the next belongs in `args`; what changes from
@@ -85,9 +85,9 @@ class StagedProgram:
         `interior_point` only, for the other solvers they belong among the inequalities.
     free_start : number of coordinates, the last ones of the error state, that are decided with the
         controls and stay the same, such as the length of a stage; for `interior_point`.
-    slopes : (x, u, x_next, stage, args) -> `Slopes`, exact; bending : (x, u, x_next, stage, args,
-        costate) -> (n + b, n + b), Hessian of cost + costate . gap, exact or nearly so; both for
-        `interior_point`, None to differentiate cost and dynamics.
+    linearisation : (x, u, x_next, stage, args) -> `Linearisation`, exact; lagrangian_hessian : (x,
+        u, x_next, stage, args, costate) -> (n + b, n + b), Hessian of cost + costate . gap, exact
+        or nearly so; both for `interior_point`, None to differentiate cost and dynamics.
     linearise : (x, u, x_next, stage, args) -> (n, n + b), derivatives of the next error state with
         respect to error state and controls; exact or nearly so, None to differentiate `dynamics`.
     """
@@ -109,8 +109,8 @@ class StagedProgram:
     free: Callable[[Any, Any], Array] = _all_free
     limits: Callable[[Any, Any], tuple[Array, Array]] = _no_limits
     free_start: int = 0
-    slopes: Callable[[Array, Array, Array, Any, Any], Slopes] | None = None
-    bending: Callable[[Array, Array, Array, Any, Any, Array], Array] | None = None
+    linearisation: Callable[[Array, Array, Array, Any, Any], Linearisation] | None = None
+    lagrangian_hessian: Callable[[Array, Array, Array, Any, Any, Array], Array] | None = None
     linearise: Callable[[Array, Array, Array, Any, Any], Array] | None = None
 
     def derivatives(self, x: Array, u: Array, x_next: Array, stage: Any, args: Any) -> Array:
@@ -121,9 +121,9 @@ class StagedProgram:
 
 
 def exact_derivatives(
-    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
+    program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Array:
-    """As `StagedProgram.derivatives`, by differentiating the dynamics, (n, n + b)."""
+    """As `OptimalControlProgram.derivatives`, by differentiating the dynamics, (n, n + b)."""
     n = program.error_size
 
     def move(z: Array) -> Array:
@@ -134,7 +134,7 @@ def exact_derivatives(
 
 
 def _moved(
-    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
+    program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Callable[[Array], tuple[Array, Array]]:
     """z -> gap (n,) and cost () of a stage."""
     n = program.error_size
@@ -147,24 +147,30 @@ def _moved(
     return at
 
 
-def slopes(
-    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
-) -> Slopes:
+def linearisation(
+    program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
+) -> Linearisation:
     """A stage to first order; differentiated where the programme has nothing of its own."""
-    if program.slopes is not None:
-        return program.slopes(x, u, x_next, stage, args)
+    if program.linearisation is not None:
+        return program.linearisation(x, u, x_next, stage, args)
     moved = _moved(program, x, u, x_next, stage, args)
     at = jnp.zeros(program.error_size + u.shape[0], x.dtype)
     (dynamics, cost), (gap, _) = jax.jacfwd(lambda z: (moved(z), moved(z)), has_aux=True)(at)
-    return Slopes(gap, dynamics, cost)
+    return Linearisation(gap, dynamics, cost)
 
 
-def bending(
-    program: StagedProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any, costate: Array
+def lagrangian_hessian(
+    program: OptimalControlProgram,
+    x: Array,
+    u: Array,
+    x_next: Array,
+    stage: Any,
+    args: Any,
+    costate: Array,
 ) -> Array:
     """Hessian of cost + costate . gap of a stage, (n + b, n + b)."""
-    if program.bending is not None:
-        return program.bending(x, u, x_next, stage, args, costate)
+    if program.lagrangian_hessian is not None:
+        return program.lagrangian_hessian(x, u, x_next, stage, args, costate)
     moved = _moved(program, x, u, x_next, stage, args)
 
     def lagrangian(z: Array) -> Array:
@@ -180,7 +186,8 @@ def least_squares(
     error_size: int,
     retract: Callable[[Array, Array], Array] = _plus,
 ) -> tuple[Callable[..., Array], Callable[..., Array]]:
-    """Cost |residual|^2 / 2 of a stage and its Gauss-Newton curvature, for a `StagedProgram`.
+    """Cost |residual|^2 / 2 of a stage and its Gauss-Newton curvature, for a
+    `OptimalControlProgram`.
 
     residual : (x, u, stage, args) -> (r,).  error_size, retract : those of the programme.
     """
@@ -199,7 +206,7 @@ def least_squares(
     return cost, curvature
 
 
-def fly(program: StagedProgram, u: Array, args: Any) -> tuple[Array, Array]:
+def fly(program: OptimalControlProgram, u: Array, args: Any) -> tuple[Array, Array]:
     """States at nodes 0 to N - 1, (N, s), and at node N, (s,), under the controls u (N, b)."""
 
     def advance(x: Array, inputs: tuple[Array, Any]) -> tuple[Array, Array]:

@@ -31,16 +31,17 @@ from jaxatt.problems.hands_off.search.enumeration import (
 )
 from jaxatt.problems.hands_off.search.polish import Method, polish
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Flags, Task
-from jaxatt.problems.manoeuvre import Departure
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import TIME_KINDS
 from jaxatt.report import certificate_report
 from jaxatt.report.figure import Picture
 from jaxatt.report.figure import save as save_figure
 from jaxatt.report.files import filling, replacing
 from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.result import Leg, Result
+from jaxatt.report.result import Phase, Result
 from jaxatt.report.summary import write_json
+from jaxatt.runtime.arrays import Flags
 from jaxatt.runtime.chunks import Report, chunk_for
 
 if TYPE_CHECKING:
@@ -81,8 +82,8 @@ class ClassRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class LegCertificate:
-    """Certificate of one leg.
+class PhaseCertificate:
+    """Certificate of one phase.
 
     found : the verified answer.  found_cost : its weighted count.
     cheaper, equal : classes of supports that cost less, and as much.
@@ -91,7 +92,7 @@ class LegCertificate:
     consistent : whether the answer's own support was found to reach, as it must be.
     """
 
-    found: Leg
+    found: Phase
     found_cost: float
     cheaper: tuple[ClassRecord, ...]
     equal: tuple[ClassRecord, ...]
@@ -117,12 +118,12 @@ class Certificate:
     """What was shown of the answer of a solve, and what was only tried."""
 
     result: Result
-    legs: tuple[LegCertificate, ...]
+    phases: tuple[PhaseCertificate, ...]
 
     @property
     def minimal(self) -> bool:
-        """Whether no leg has a cheaper support that reaches, all of them tried."""
-        return all(leg.minimal for leg in self.legs)
+        """Whether no phase has a cheaper support that reaches, all of them tried."""
+        return all(phase.minimal for phase in self.phases)
 
     def sentences(self) -> list[str]:
         """What was shown, in words."""
@@ -195,20 +196,20 @@ def certify(
     scenario = scenarios.replace(scenario, {"objective.kind": kind, "objective.terminal": "reach"})
     _checked(scenario)
     result = solve(scenario, starts=starts, seed=seed, report=report)
-    legs: list[LegCertificate] = []
-    departure: Departure | None = None
-    for index, leg in enumerate(result.legs):
+    phases: list[PhaseCertificate] = []
+    initial_state: InitialState | None = None
+    for index, phase in enumerate(result.phases):
         task = build_task(
             result.scenario,
             index,
-            departure,
+            initial_state,
             enforce_speed_limits=False,
-            final_time=leg.final_time,
-            start_time=leg.start_time,
+            final_time=phase.final_time,
+            start_time=phase.start_time,
         )
-        legs.append(_certify_leg(task, leg, most, result.seed, report))
-        departure = _end_of(leg)
-    return Certificate(result, tuple(legs))
+        phases.append(_certify_phase(task, phase, most, result.seed, report))
+        initial_state = _end_of(phase)
+    return Certificate(result, tuple(phases))
 
 
 def _checked(scenario: scenarios.Scenario) -> None:
@@ -220,25 +221,25 @@ def _checked(scenario: scenarios.Scenario) -> None:
         )
 
 
-def _end_of(leg: Leg) -> Departure | None:
-    if "q_ob" not in leg.series:
+def _end_of(phase: Phase) -> InitialState | None:
+    if "q_ob" not in phase.series:
         return None
-    end = len(leg.controls)
-    return Departure(*(leg.series[name][end] for name in ("q_ob", "omega_ob", "omega_bw")))
+    end = len(phase.controls)
+    return InitialState(*(phase.series[name][end] for name in ("q_ob", "omega_ob", "omega_bw")))
 
 
-def _certify_leg(
-    task: Task, leg: Leg, most: int, seed: int, report: Report | None
-) -> LegCertificate:
-    if not leg.reached:
-        return LegCertificate(leg, math.inf, (), (), None, None, False)
+def _certify_phase(
+    task: Task, phase: Phase, most: int, seed: int, report: Report | None
+) -> PhaseCertificate:
+    if not phase.reached:
+        return PhaseCertificate(phase, math.inf, (), (), None, None, False)
     weight = group_weights(task)
-    cost = float(np.nansum(weight[support_of(task, leg.controls)]))
+    cost = float(np.nansum(weight[support_of(task, phase.controls)]))
     classes = classes_up_to(task, cost)
     tie = cost * (1.0 - 1e-9)
     rate = _SECONDS_A_SUPPORT
     signs = (1.0, -1.0) if isinstance(task, SlewTask) else (1.0,)
-    rows = chunk_for(len(leg.starts.status))  # as in the search: nothing is compiled again
+    rows = chunk_for(len(phase.starts.status))  # as in the search: nothing is compiled again
 
     def tried(kind: SupportClass, attempts: int, thorough: bool) -> ClassRecord:
         nonlocal rate
@@ -257,14 +258,14 @@ def _certify_leg(
 
     same = [kind for kind in classes if kind.cost >= tie]
     equal = tuple(tried(kind, 1, False) for kind in same)
-    own = np.argwhere(support_of(task, leg.controls))
+    own = np.argwhere(support_of(task, phase.controls))
     if not _finds(equal, own):
         # Limits bind too much for the quick way, as the answer's own support shows.
         equal = tuple(tried(kind, 1, True) for kind in same)
     cheaper = tuple(tried(kind, _ATTEMPTS, True) for kind in classes if kind.cost < tie)
     best, effort, long_way = _best(task, equal, rows)
     consistent = _finds(equal, own) or not all(record.tried for record in equal)
-    return LegCertificate(leg, cost, cheaper, equal, best, effort, long_way, consistent)
+    return PhaseCertificate(phase, cost, cheaper, equal, best, effort, long_way, consistent)
 
 
 def _finds(records: Sequence[ClassRecord], support: npt.NDArray[np.int64]) -> bool:

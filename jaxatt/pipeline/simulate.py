@@ -13,8 +13,9 @@ from jaxatt import scenarios
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.environment.table import tabulate
 from jaxatt.pipeline.solve import solve, versions
-from jaxatt.problems.hands_off.build import build_task, surroundings_of
+from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.surroundings import surroundings_of
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.clock import compile_seconds
@@ -122,9 +123,9 @@ def plan_of(flight: FlightScenario, report: Report | None = None) -> Plan:
     result = solve(scenario, report=report)
     if not result.reached:
         raise ScenarioError(
-            f"{where}: its answer does not reach the target; {result.legs[0].obstacle}"
+            f"{where}: its answer does not reach the target; {result.phases[0].failure_reason}"
         )
-    wheels = np.repeat(result.legs[0].series["torque_wheels"], each, axis=0)
+    wheels = np.repeat(result.phases[0].series["torque_wheels"], each, axis=0)
     table = tabulate(surroundings_of(scenario), 0.0, period, len(wheels), _FINE)
     flown = jax.jit(fly_torque)(task.craft, task.start, jnp.asarray(wheels), table)
     body = wheels @ np.asarray(task.craft.wheels.axes).T

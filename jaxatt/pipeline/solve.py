@@ -14,13 +14,13 @@ import jax.numpy as jnp
 
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_task
-from jaxatt.problems.hands_off.phase import guard_notes, leg_of
-from jaxatt.problems.hands_off.phase_search import search_leg
-from jaxatt.problems.hands_off.task import Floats
-from jaxatt.problems.manoeuvre import Departure
+from jaxatt.problems.hands_off.phase import constraint_margin_notes, phase_record
+from jaxatt.problems.hands_off.phase_search import search_phase
+from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import TIME_KINDS
-from jaxatt.problems.time_optimal.phase import time_leg
-from jaxatt.report.result import Leg, Result
+from jaxatt.problems.time_optimal.phase import time_phase
+from jaxatt.report.result import Phase, Result
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.clock import compile_seconds
 
@@ -41,8 +41,9 @@ def solve(
     scenario : a `Scenario`, the name of a bundled one or a TOML file.
     objective, terminal, starts, seed : replace the scenario's own settings.
     guess : "pulses" (random), "pd", "l1", or controls (N, b) in the scenario's axes.
-    inner : "auto", or an inner minimiser of the augmented Lagrangian, see `jaxatt.optimize.augmented_lagrangian.inner`.
-    report : called by the host with (stage, starts ended) between chunks of work.
+    inner : "auto", or an inner minimiser of the augmented Lagrangian, see
+    `jaxatt.optimize.augmented_lagrangian.inner`. report : called by the host with (stage, starts
+    ended) between chunks of work.
 
     Raises `ScenarioError` (a `ValueError`) where the scenario does not make sense.
     """
@@ -65,31 +66,33 @@ def solve(
 
     began, compiled = time.perf_counter(), compile_seconds()
     verifying = 0.0
-    resting_cost = 0.0
-    legs: list[Leg] = []
-    state: Departure | None = None
+    do_nothing_cost = 0.0
+    phases: list[Phase] = []
+    state: InitialState | None = None
     if scenario.objective.kind in TIME_KINDS:
         if not isinstance(guess, str) or (guess, inner) != ("pulses", "auto"):
             raise ValueError(
                 f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its "
                 "own; leave them out"
             )
-        leg, verifying = time_leg(scenario, report)
-        legs.append(leg)
-    for index in range(0 if legs else len(scenario.targets)):
-        start_time = sum(leg.final_time for leg in legs)
-        build = functools.partial(build_task, leg=index, departure=state, start_time=start_time)
-        task, found, tried = search_leg(scenario, build, guess, inner, report)
-        resting_cost += found.resting_cost or 0.0
+        phase, verifying = time_phase(scenario, report)
+        phases.append(phase)
+    for index in range(0 if phases else len(scenario.targets)):
+        start_time = sum(phase.final_time for phase in phases)
+        build = functools.partial(
+            build_task, phase=index, initial_state=state, start_time=start_time
+        )
+        task, found, tried = search_phase(scenario, build, guess, inner, report)
+        do_nothing_cost += found.do_nothing_cost or 0.0
         flown = time.perf_counter()
-        leg, state = leg_of(scenario, task, found, start_time, tried)
-        legs.append(leg)
+        phase, state = phase_record(scenario, task, found, start_time, tried)
+        phases.append(phase)
         verifying += time.perf_counter() - flown
     total = time.perf_counter() - began
     compiling = compile_seconds() - compiled
     return Result(
         scenario=scenario,
-        legs=tuple(legs),
+        phases=tuple(phases),
         seed=scenario.solver.seed,
         time={
             "compile": compiling,
@@ -99,9 +102,12 @@ def solve(
         device=str(jax.devices()[0].device_kind),
         precision="float64",
         versions=versions(),
-        notes=(*scenario.notes, *(note for leg in legs for note in guard_notes(leg))),
+        notes=(
+            *scenario.notes,
+            *(note for phase in phases for note in constraint_margin_notes(phase)),
+        ),
         extra=(
-            {"do_nothing_cost": resting_cost} if scenario.objective.terminal == "penalty" else {}
+            {"do_nothing_cost": do_nothing_cost} if scenario.objective.terminal == "penalty" else {}
         ),
     )
 

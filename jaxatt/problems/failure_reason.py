@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.task import Verdict
+from jaxatt.problems.verdict import Verdict
 from jaxatt.report.result import PointingRecord
 from jaxatt.report.wording import broken_limit
 
@@ -17,7 +17,7 @@ _ERROR_WORDS = {
 }
 
 
-def obstacle(
+def failure_reason(
     verdict: Verdict,
     status: Status,
     pointing: PointingRecord | None = None,

@@ -1,42 +1,57 @@
-"""What a slew is asked to do: where it begins, ends and passes, and on which grid."""
+"""Where a manoeuvre begins, ends and passes, and on which grid of time."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from jaxatt.environment.table import Surroundings
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 
 _LONGEST_SUBSTEP_PHASE = 0.35
 """[rad] of the sinusoidal torque in one RK4 step: four steps in 1.4 s at 1 rad/s."""
 
 
+def _no_state() -> Floats:
+    return np.zeros(0)
+
+
 @dataclass(frozen=True, eq=False)
-class Departure:
-    """Where a slew begins: q_ob (4,), omega_ob (3,) [rad/s], omega_bw (n,) [rad/s]."""
+class InitialState:
+    """The start of a manoeuvre.
+
+    q_ob : (4,), attitude of the body relative to the orbit frame, unit quaternion, scalar first.
+    omega_ob : (3,) [rad/s], rate of the body relative to the orbit frame, in body axes.
+    omega_bw : (n,) [rad/s], wheel speeds relative to the body.
+    state : (m,), state of a toy system; empty for a spacecraft.
+    """
 
     q_ob: Floats
     omega_ob: Floats
     omega_bw: Floats
+    state: Floats = field(default_factory=_no_state)
 
 
 @dataclass(frozen=True, eq=False)
-class Aim:
-    """Where a slew must end: attitude (4,), rate (3,) [rad/s] and their tolerances [rad, rad/s]."""
+class Target:
+    """The end of a manoeuvre, or of one phase: as `InitialState`, with tolerances [rad, rad/s]."""
 
     q_ob: Floats
     omega_ob: Floats
     attitude_tolerance: float
     rate_tolerance: float
+    state: Floats = field(default_factory=_no_state)
+    state_tolerance: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)
-class Passage:
-    """An attitude to pass: (4,), the node (1 .. N) and the tolerance [rad]."""
+class Waypoint:
+    """An attitude to pass at a node: (4,) unit quaternion, time [s], node, tolerance [rad]."""
 
     q_ob: Floats
+    time: float
     node: int
     tolerance: float
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.spacecraft import Spacecraft
-from jaxatt.spacecraft.checks import Float64
 
 SPACECRAFT = "spacecraft"
 TOY_SYSTEMS = ("double-integrator", "van-der-pol")
@@ -35,58 +35,14 @@ class Orbit:
     days: float | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Initial:
-    """The start of the manoeuvre.
-
-    Attributes
-    ----------
-    q_ob : (4,) array
-        Attitude of the body relative to the orbit frame, unit quaternion, scalar first.
-    omega_ob : (3,) array [rad/s]
-        Rate of the body relative to the orbit frame, in body axes.
-    omega_bw : (n,) array [rad/s]
-        Wheel speeds relative to the body.
-    state : (m,) array
-        State of a toy system; empty for a spacecraft, as the fields above are for a toy.
-    """
-
-    q_ob: Float64
-    omega_ob: Float64
-    omega_bw: Float64
-    state: Float64
-
-
-@dataclass(frozen=True, eq=False)
-class Target:
-    """The end of the manoeuvre, or of one leg: as `Initial`, with tolerances in rad and rad/s."""
-
-    q_ob: Float64
-    omega_ob: Float64
-    attitude_tolerance: float
-    rate_tolerance: float
-    state: Float64
-    state_tolerance: float
-
-
-@dataclass(frozen=True, eq=False)
-class Waypoint:
-    """An attitude to pass at a node: (4,) unit quaternion, time [s], tolerance [rad]."""
-
-    q_ob: Float64
-    time: float
-    node: int
-    tolerance: float
-
-
 @dataclass(frozen=True)
 class Horizon:
     """Duration [s], control intervals, coasting intervals after the end, RK4 steps an interval.
 
     `substeps` is None where the number is chosen automatically.
-    free : whether the final time of each leg is found, from `shortest` to `longest` [s]; the number
-    of intervals stays and their length changes.  `duration` is then the first one to be tried, or
-    `longest` where the objective is one of `TIME_KINDS`.
+    free : whether the final time of each phase is found, from `shortest` to `longest` [s]; the
+    number of intervals stays and their length changes.  `duration` is then the first one to be
+    tried, or `longest` where the objective is one of `TIME_KINDS`.
     """
 
     duration: float
@@ -209,7 +165,7 @@ class Scenario:
     vehicle, orbit
         None for a toy system; without an orbit attitudes are relative to the inertial frame.
     targets : tuple of Target
-        One, or one a leg for successive optimisations, each over the whole horizon.
+        One, or one a phase for successive optimisations, each over the whole horizon.
     printed : mapping
         The values that the source prints, as in the file.
     notes : tuple of str
@@ -228,7 +184,7 @@ class Scenario:
     system: str
     vehicle: Spacecraft | None
     orbit: Orbit | None
-    initial: Initial
+    initial: InitialState
     targets: tuple[Target, ...]
     waypoint: Waypoint | None
     horizon: Horizon

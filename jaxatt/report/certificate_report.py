@@ -17,40 +17,40 @@ from jaxatt.report.wording import indices_text, plural, short
 if TYPE_CHECKING:
     import xarray
 
-    from jaxatt.pipeline.certify import Certificate, ClassRecord, LegCertificate
+    from jaxatt.pipeline.certify import Certificate, ClassRecord, PhaseCertificate
 
 _LARGE = 1e15
 
 
 def sentences(certificate: Certificate) -> list[str]:
     """What was shown, what was only tried, and what is out of reach."""
-    several = len(certificate.legs) > 1
+    several = len(certificate.phases) > 1
     found = []
-    for number, leg in enumerate(certificate.legs, start=1):
+    for number, phase in enumerate(certificate.phases, start=1):
         where = f"Leg {number}: " if several else ""
-        found += [where + sentence for sentence in _leg_sentences(leg)]
+        found += [where + sentence for sentence in _phase_sentences(phase)]
     return found
 
 
-def _leg_sentences(leg: LegCertificate) -> list[str]:
-    if not leg.found.reached:
+def _phase_sentences(phase: PhaseCertificate) -> list[str]:
+    if not phase.found.reached:
         return ["No answer reaches the target, so there is nothing to certify."]
     told = []
-    tried = [record for record in leg.cheaper if record.tried]
-    left = [record for record in leg.cheaper if not record.tried]
+    tried = [record for record in phase.cheaper if record.tried]
+    left = [record for record in phase.cheaper if not record.tried]
     many = plural(sum(record.kind.number for record in tried), "cheaper support")
-    if leg.refuted:
+    if phase.refuted:
         cheaper = sum(int(record.reached.sum()) for record in tried)
         told.append(
             f"Not minimal: {plural(cheaper, 'support')} that cost less reach the target in the "
             "roll-out; solve again from more starts."
         )
-    elif leg.minimal:
+    elif phase.minimal:
         told.append(
             f"Minimal, shown numerically: none of the {many} reaches "
             "the target, the short or the long way round, from rest or from random torques."
         )
-    elif not leg.consistent:
+    elif not phase.consistent:
         told.append(
             f"Nothing is shown: {many} were tried and none reaches, but neither does the answer's "
             "own support, which flies; the trials are not to be trusted here."
@@ -65,35 +65,35 @@ def _leg_sentences(leg: LegCertificate) -> list[str]:
             f"Out of reach: {_many(sum(r.kind.number for r in left))} cheaper supports, about "
             f"{_duration(sum(r.seconds for r in left))}."
         )
-    equal = [record for record in leg.equal if record.tried]
+    equal = [record for record in phase.equal if record.tried]
     if equal:
         reached = sum(int(record.reached.sum()) for record in equal)
         total = sum(record.kind.number for record in equal)
         told.append(f"{reached} of {_many(total)} supports that cost as much reach the target.")
-    for record in leg.equal:
+    for record in phase.equal:
         if not record.tried:
             told.append(
                 f"Not tried: the {_many(record.kind.number)} supports of {record.kind.size} that "
                 f"cost as much, about {_duration(record.seconds)}."
             )
-    if leg.best is not None and leg.best_effort is not None:
-        same = leg.best_effort >= leg.found.effort * (1.0 - 1e-6)
-        way = ", the long way round" if leg.best_long else ""
-        effort = f"{short(leg.best_effort)} N m s,"
+    if phase.best is not None and phase.best_effort is not None:
+        same = phase.best_effort >= phase.found.effort * (1.0 - 1e-6)
+        way = ", the long way round" if phase.best_long else ""
+        effort = f"{short(phase.best_effort)} N m s,"
         told.append(
-            f"The least L1 effort among them has {_where(leg)}{way}: {effort}"
+            f"The least L1 effort among them has {_where(phase)}{way}: {effort}"
             + (
                 " the answer's own effort."
                 if same
-                else f" less than the answer's {short(leg.found.effort)}."
+                else f" less than the answer's {short(phase.found.effort)}."
             )
         )
     return told
 
 
-def _where(leg: LegCertificate) -> str:
-    assert leg.best is not None
-    return "intervals " + indices_text(sorted(set(leg.best[:, 0].tolist())))
+def _where(phase: PhaseCertificate) -> str:
+    assert phase.best is not None
+    return "intervals " + indices_text(sorted(set(phase.best[:, 0].tolist())))
 
 
 def _many(number: int) -> str:
@@ -114,12 +114,12 @@ def table(certificate: Certificate) -> Table:
         box=box.SIMPLE_HEAD,
         title_justify="left",
     )
-    several = len(certificate.legs) > 1
+    several = len(certificate.phases) > 1
     names = ("leg",) if several else ()
     for name in (*names, "active", "cost", "supports", "reach, short", "reach, long", "time [s]"):
         grid.add_column(Text(name), justify="right")  # rich would read "[s]" as a style
-    for number, leg in enumerate(certificate.legs, start=1):
-        for record in (*leg.cheaper, *leg.equal):
+    for number, phase in enumerate(certificate.phases, start=1):
+        for record in (*phase.cheaper, *phase.equal):
             first = (str(number),) if several else ()
             grid.add_row(*(Text(cell) for cell in (*first, *_cells(record))))
     return grid
@@ -149,20 +149,20 @@ def to_dict(certificate: Certificate) -> dict[str, Any]:
         "objective": result.scenario.objective.kind,
         "minimal": certificate.minimal,
         "sentences": sentences(certificate),
-        "legs": [_leg_numbers(leg) for leg in certificate.legs],
+        "legs": [_phase_numbers(phase) for phase in certificate.phases],
         "seed": result.seed,
         "device": result.device,
         "versions": dict(result.versions),
     }
 
 
-def _leg_numbers(leg: LegCertificate) -> dict[str, Any]:
+def _phase_numbers(phase: PhaseCertificate) -> dict[str, Any]:
     return {
-        "active_intervals": leg.found.active_intervals,
-        "active_interval_indices": np.flatnonzero(leg.found.active).tolist(),
-        "weighted_cost": leg.found_cost,
-        "l1_effort_Nms": leg.found.effort,
-        "minimal": leg.minimal,
+        "active_intervals": phase.found.active_intervals,
+        "active_interval_indices": np.flatnonzero(phase.found.active).tolist(),
+        "weighted_cost": phase.found_cost,
+        "l1_effort_Nms": phase.found.effort,
+        "minimal": phase.minimal,
         "classes": [
             {
                 "active": record.kind.size,
@@ -175,11 +175,11 @@ def _leg_numbers(leg: LegCertificate) -> dict[str, Any]:
                 "reach_long_way": None if record.long is None else int(record.long.reached.sum()),
                 "time_s": record.seconds,
             }
-            for record in (*leg.cheaper, *leg.equal)
+            for record in (*phase.cheaper, *phase.equal)
         ],
-        "best_support": None if leg.best is None else leg.best[:, 0].tolist(),
-        "best_l1_effort_Nms": leg.best_effort,
-        "best_long_way": leg.best_long,
+        "best_support": None if phase.best is None else phase.best[:, 0].tolist(),
+        "best_l1_effort_Nms": phase.best_effort,
+        "best_long_way": phase.best_long,
     }
 
 
@@ -193,8 +193,8 @@ def to_dataset(certificate: Certificate) -> xarray.Dataset:
 
     rows: dict[str, list[Any]] = {name: [] for name in ("leg", "cost", "way", "reached")}
     effort, residual, groups = [], [], []
-    for number, leg in enumerate(certificate.legs):
-        for record in (*leg.cheaper, *leg.equal):
+    for number, phase in enumerate(certificate.phases):
+        for record in (*phase.cheaper, *phase.equal):
             for way, found in ((1, record.short), (-1, record.long)):
                 if found is None:
                     continue
@@ -230,23 +230,23 @@ def to_dataset(certificate: Certificate) -> xarray.Dataset:
 
 
 def plot(certificate: Certificate) -> Picture:
-    """Least effort of the supports that hold two given intervals, a panel a leg."""
-    legs = certificate.legs
-    figure = picture(5.6 * len(legs), 5.2, certificate.result.scenario.title)
-    for index, leg in enumerate(legs):
-        axes = figure.add_subplot(1, len(legs), index + 1)
-        _pair_map(figure, axes, leg)
-        if len(legs) > 1:
+    """Least effort of the supports that hold two given intervals, a panel a phase."""
+    phases = certificate.phases
+    figure = picture(5.6 * len(phases), 5.2, certificate.result.scenario.title)
+    for index, phase in enumerate(phases):
+        axes = figure.add_subplot(1, len(phases), index + 1)
+        _pair_map(figure, axes, phase)
+        if len(phases) > 1:
             axes.set_title(f"leg {index + 1}")
     return figure
 
 
-def _pair_map(figure: Picture, axes: Axes, leg: LegCertificate) -> None:
+def _pair_map(figure: Picture, axes: Axes, phase: PhaseCertificate) -> None:
     """Short way round above the diagonal, long way below it."""
-    count = len(leg.found.controls)
+    count = len(phase.found.controls)
     least = np.full((count, count), np.inf)
     size = 0
-    for record in leg.equal:
+    for record in phase.equal:
         for way, found in ((1, record.short), (-1, record.long)):
             if found is None or record.kind.size == 0:
                 continue
@@ -266,9 +266,9 @@ def _pair_map(figure: Picture, axes: Axes, leg: LegCertificate) -> None:
         axes.set_xlim(-0.5, count - 0.5)
         axes.set_ylim(-0.5, count - 0.5)
         axes.set_aspect("equal")
-        axes.text(0.5, 0.5, _nothing(leg), ha="center", va="center", transform=axes.transAxes)
-    if leg.best is not None:
-        ordered = [(j, i) if leg.best_long else (i, j) for i, j in _pairs(leg.best[:, 0])]
+        axes.text(0.5, 0.5, _nothing(phase), ha="center", va="center", transform=axes.transAxes)
+    if phase.best is not None:
+        ordered = [(j, i) if phase.best_long else (i, j) for i, j in _pairs(phase.best[:, 0])]
         style: dict[str, Any] = {"s": 130, "marker": "*", "edgecolor": "black", "zorder": 5}
         x, y = zip(*ordered, strict=True)
         axes.scatter(x, y, color=colour(1), label="least effort", clip_on=False, **style)
@@ -285,7 +285,7 @@ def _pairs(intervals: np.ndarray) -> list[tuple[int, int]]:
     return list(itertools.combinations(several, 2)) or [(several[0], several[0])]
 
 
-def _nothing(leg: LegCertificate) -> str:
-    if not leg.found.reached:
+def _nothing(phase: PhaseCertificate) -> str:
+    if not phase.found.reached:
         return "no answer reaches"
-    return "no support was tried" if not any(r.tried for r in leg.equal) else "none reaches"
+    return "no support was tried" if not any(r.tried for r in phase.equal) else "none reaches"

@@ -10,7 +10,7 @@ import numpy as np
 
 from jaxatt.optimize.status import Status
 from jaxatt.report.final_times import final_times_variables
-from jaxatt.report.result import Leg, Result
+from jaxatt.report.result import Phase, Result
 from jaxatt.report.timeline import node_times
 
 if TYPE_CHECKING:
@@ -41,25 +41,25 @@ _ERROR_UNITS = {"attitude": "rad", "rate": "rad/s", "waypoint": "rad", "state": 
 def to_dataset(result: Result) -> xarray.Dataset:
     """Labelled arrays of a result, SI units and radians, with what made them as attributes.
 
-    Dimensions are `time` (nodes, from the leg's start [s]), `interval`, `axis`, `wheel`,
+    Dimensions are `time` (nodes, from the phase's start [s]), `interval`, `axis`, `wheel`,
     `quaternion` (scalar first) and `start`, `component` and `input` for a toy; where the case has
-    several legs, `leg` comes first everywhere.  Where the legs' intervals differ in length, `time`
-    holds node numbers and `node_time` (leg, time) the times.
+    several phases, `leg` comes first everywhere.  Where the phases' intervals differ in length,
+    `time` holds node numbers and `node_time` (phase, time) the times.
     """
     import xarray
 
-    alternative = any(leg.alternative is not None for leg in result.legs)
-    tried = (leg.final_times for leg in result.legs if leg.final_times is not None)
+    alternative = any(phase.alternative is not None for phase in result.phases)
+    tried = (phase.final_times for phase in result.phases if phase.final_times is not None)
     trials = max((len(times.how) for times in tried), default=0)
-    together = len({leg.step for leg in result.legs}) == 1
+    together = len({phase.step for phase in result.phases}) == 1
     parts = [
         xarray.Dataset(
-            _variables(leg, alternative)
-            | final_times_variables(leg, trials)
-            | ({} if together else _times(leg, "node_time")),
-            _coordinates(leg) | (_times(leg) if together else _numbers(leg)),
+            _variables(phase, alternative)
+            | final_times_variables(phase, trials)
+            | ({} if together else _times(phase, "node_time")),
+            _coordinates(phase) | (_times(phase) if together else _numbers(phase)),
         )
-        for leg in result.legs
+        for phase in result.phases
     ]
     if len(parts) == 1:
         dataset = parts[0]
@@ -70,21 +70,21 @@ def to_dataset(result: Result) -> xarray.Dataset:
     return dataset.assign_attrs(_attributes(result))
 
 
-def _coordinates(leg: Leg) -> dict[str, _Variable]:
-    times, count = node_times(leg), len(leg.active)
+def _coordinates(phase: Phase) -> dict[str, _Variable]:
+    times, count = node_times(phase), len(phase.active)
     coordinates: dict[str, _Variable] = {
         "coasting": (
             ("time",),
-            times > leg.step * (count + 0.5),
+            times > phase.step * (count + 0.5),
             {"long_name": "whether the horizon has ended"},
         ),
         "interval": (("interval",), np.arange(count), {"long_name": "control interval"}),
-        "start": (("start",), np.arange(len(leg.starts.status)), {"long_name": "start"}),
+        "start": (("start",), np.arange(len(phase.starts.status)), {"long_name": "start"}),
     }
-    if leg.pointing is not None:
-        cones = [e for e in leg.pointing.extremes if e.kind != "body-rate"]
+    if phase.pointing is not None:
+        cones = [e for e in phase.pointing.extremes if e.kind != "body-rate"]
         words = {"units": "s", "long_name": "every Runge-Kutta step, from the leg's start"}
-        coordinates["fine_time"] = (("fine_time",), leg.pointing.time, words)
+        coordinates["fine_time"] = (("fine_time",), phase.pointing.time, words)
         coordinates["cone"] = (("cone",), [e.name for e in cones], {"long_name": "cone"})
         coordinates["cone_kind"] = (("cone",), [e.kind for e in cones], {"long_name": "kind"})
         coordinates["cone_half_angle"] = (
@@ -92,12 +92,12 @@ def _coordinates(leg: Leg) -> dict[str, _Variable]:
             [e.allowed for e in cones],
             {"units": "rad", "long_name": "half angle"},
         )
-    if "q_ob" in leg.series:
-        wheels = leg.series["omega_bw"].shape[1]
+    if "q_ob" in phase.series:
+        wheels = phase.series["omega_bw"].shape[1]
         coordinates["axis"] = (("axis",), ["x", "y", "z"], {"long_name": "body axis"})
         coordinates["wheel"] = (("wheel",), np.arange(1, wheels + 1), {"long_name": "wheel"})
-        if "torque_thrusters" in leg.series:
-            count = leg.series["torque_thrusters"].shape[1]
+        if "torque_thrusters" in phase.series:
+            count = phase.series["torque_thrusters"].shape[1]
             words = {"long_name": "thruster"}
             coordinates["thruster"] = (("thruster",), np.arange(1, count + 1), words)
         coordinates["quaternion"] = (
@@ -106,67 +106,69 @@ def _coordinates(leg: Leg) -> dict[str, _Variable]:
             {"long_name": "quaternion component, scalar first"},
         )
     else:
-        components = [f"x{i + 1}" for i in range(leg.series["state"].shape[1])]
+        components = [f"x{i + 1}" for i in range(phase.series["state"].shape[1])]
         coordinates["component"] = (("component",), components, {"long_name": "state component"})
     return coordinates
 
 
-def _times(leg: Leg, nodes: str = "time") -> dict[str, _Variable]:
-    """Times of nodes and intervals from the leg's start."""
+def _times(phase: Phase, nodes: str = "time") -> dict[str, _Variable]:
+    """Times of nodes and intervals from the phase's start."""
     return {
         nodes: (
             ("time",),
-            node_times(leg),
+            node_times(phase),
             {"units": "s", "long_name": "time from the leg's start"},
         ),
         "interval_start": (
             ("interval",),
-            leg.step * np.arange(len(leg.active)),
+            phase.step * np.arange(len(phase.active)),
             {"units": "s", "long_name": "start of the interval from the leg's start"},
         ),
     }
 
 
-def _numbers(leg: Leg) -> dict[str, _Variable]:
-    """Numbers of the nodes, where their times differ from leg to leg."""
-    return {"time": (("time",), np.arange(len(node_times(leg))), {"long_name": "node"})}
+def _numbers(phase: Phase) -> dict[str, _Variable]:
+    """Numbers of the nodes, where their times differ from phase to phase."""
+    return {"time": (("time",), np.arange(len(node_times(phase))), {"long_name": "node"})}
 
 
-def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:
+def _variables(phase: Phase, alternative: bool) -> dict[str, _Variable]:
     variables = {
-        name: _labelled(leg.series[name], *_SERIES[name]) for name in _SERIES if name in leg.series
+        name: _labelled(phase.series[name], *_SERIES[name])
+        for name in _SERIES
+        if name in phase.series
     }
     for name, labels in _REFERENCES.items():
-        if name in leg.reference:
+        if name in phase.reference:
             key = name if name == "waypoint" else f"{name}_reference"
-            variables[key] = _labelled(leg.reference[name], *labels)
+            variables[key] = _labelled(phase.reference[name], *labels)
     variables |= {
-        "weight": _labelled(leg.weight, ("interval",), "1", "cost of the interval if active"),
-        "window": _labelled(leg.window, ("interval",), "", "whether in a cheap window"),
-        "forbidden": _labelled(leg.forbidden, ("interval",), "", "whether torque is forbidden"),
-        "active": _labelled(leg.active, ("interval",), "", "whether above the threshold"),
-        "leg_start": _labelled(leg.start_time, (), "s", "time at which the leg starts"),
-        "reached": _labelled(leg.reached, (), "", "whether the flight is within all tolerances"),
+        "weight": _labelled(phase.weight, ("interval",), "1", "cost of the interval if active"),
+        "window": _labelled(phase.window, ("interval",), "", "whether in a cheap window"),
+        "forbidden": _labelled(phase.forbidden, ("interval",), "", "whether torque is forbidden"),
+        "active": _labelled(phase.active, ("interval",), "", "whether above the threshold"),
+        "leg_start": _labelled(phase.start_time, (), "s", "time at which the leg starts"),
+        "reached": _labelled(phase.reached, (), "", "whether the flight is within all tolerances"),
         "effort": _labelled(
-            leg.effort, (), "N m s" if "q_ob" in leg.series else "1", "L1 effort over all axes"
+            phase.effort, (), "N m s" if "q_ob" in phase.series else "1", "L1 effort over all axes"
         ),
     }
-    for name, error in leg.errors.items():
+    for name, error in phase.errors.items():
         unit = _ERROR_UNITS.get(name, "1")
         variables[f"{name}_error"] = _labelled(error, (), unit, f"{name} error at its node")
         variables[f"{name}_tolerance"] = _labelled(
-            leg.tolerances[name], (), unit, f"allowed {name} error"
+            phase.tolerances[name], (), unit, f"allowed {name} error"
         )
-    for name, cost in leg.objective.items():
+    for name, cost in phase.objective.items():
         variables[f"objective_{name}"] = _labelled(cost, (), "1", f"{name} part of the objective")
     if alternative:
-        other = leg if leg.alternative is None else leg.alternative
+        other = phase if phase.alternative is None else phase.alternative
         known = ("torque_body", "torque_thrusters", "control")
-        key = next(name for name in known if name in leg.series)
+        key = next(name for name in known if name in phase.series)
         variables[f"alternative_{key}"] = _labelled(
             other.series[key], _SERIES[key][0], _SERIES[key][1], "of the best answer that reaches"
         )
-    for valves in leg.quantised[:1]:
+    for valves in phase.quantised[:1]:
         flown: dict[str, tuple[Any, tuple[str, ...], str, str]] = {
             "opens": (valves.opens, ("interval", "thruster"), "s", "opening after its start"),
             "shuts": (valves.shuts, ("interval", "thruster"), "s", "shutting after its start"),
@@ -176,16 +178,16 @@ def _variables(leg: Leg, alternative: bool) -> dict[str, _Variable]:
             "rate_error": (valves.errors["rate"], (), "rad/s", "rate error with valves"),
         }
         variables |= {f"quantised_{name}": _labelled(*rest) for name, rest in flown.items()}
-    if leg.pointing is not None:
-        record = leg.pointing
+    if phase.pointing is not None:
+        record = phase.pointing
         variables["cone_angle"] = _labelled(
             record.angles, ("fine_time", "cone"), "rad", "angle of boresight and direction"
         )
-    return variables | _starts(leg) | _time_optimum(leg)
+    return variables | _starts(phase) | _time_optimum(phase)
 
 
-def _starts(leg: Leg) -> dict[str, _Variable]:
-    starts, along = leg.starts, ("start",)
+def _starts(phase: Phase) -> dict[str, _Variable]:
+    starts, along = phase.starts, ("start",)
     status = {
         "long_name": "how the start ended",
         "flag_values": np.array([int(status) for status in Status]),
@@ -194,7 +196,7 @@ def _starts(leg: Leg) -> dict[str, _Variable]:
     labels = {
         "reached": ("", "whether it reached the target, flown again"),
         "active_intervals": ("1", "active intervals"),
-        "effort": ("N m s" if "q_ob" in leg.series else "1", "L1 effort"),
+        "effort": ("N m s" if "q_ob" in phase.series else "1", "L1 effort"),
         "long_way": ("", "whether it went the long way round"),
         "iterations": ("1", "inner steps"),
         "shortfall": ("1", "largest error in units of its tolerance"),
@@ -207,15 +209,15 @@ def _starts(leg: Leg) -> dict[str, _Variable]:
     return variables | {"start_status": (along, starts.status, status), "distinct_minima": minima}
 
 
-def _time_optimum(leg: Leg) -> dict[str, _Variable]:
+def _time_optimum(phase: Phase) -> dict[str, _Variable]:
     variables = {
-        "final_time": _labelled(leg.final_time, (), "s", "length of the leg"),
-        "step": _labelled(leg.step, (), "s", "length of an interval"),
+        "final_time": _labelled(phase.final_time, (), "s", "length of the leg"),
+        "step": _labelled(phase.step, (), "s", "length of an interval"),
         "control_effort": _labelled(
-            leg.control_effort, (), "N2 m2 s" if "q_ob" in leg.series else "1", "squared effort"
+            phase.control_effort, (), "N2 m2 s" if "q_ob" in phase.series else "1", "squared effort"
         ),
     }
-    optimum = leg.time_optimum
+    optimum = phase.time_optimum
     if optimum is None:
         return variables
     return variables | {
@@ -245,15 +247,19 @@ def _attributes(result: Result) -> Mapping[str, Any]:
         "objective": scenario.objective.kind,
         "terminal": scenario.objective.terminal,
         "status": result.status,
-        "obstacle": "; ".join(leg.obstacle for leg in result.legs if leg.obstacle),
+        "obstacle": "; ".join(
+            phase.failure_reason for phase in result.phases if phase.failure_reason
+        ),
         "seed": result.seed,
         "device": result.device,
         "precision": result.precision,
         "versions": json.dumps(dict(result.versions)),
         "switch_times_s": json.dumps(
             [
-                None if leg.time_optimum is None else leg.time_optimum.to_dict()["switch_times_s"]
-                for leg in result.legs
+                None
+                if phase.time_optimum is None
+                else phase.time_optimum.to_dict()["switch_times_s"]
+                for phase in result.phases
             ]
         ),
         "notes": json.dumps(list(result.notes)),

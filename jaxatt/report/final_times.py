@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import FinalTimes, Floats, Leg
+from jaxatt.report.result import FinalTimes, Phase
 from jaxatt.report.wording import plural, short
+from jaxatt.runtime.arrays import Floats
 
 _Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 
@@ -29,26 +30,26 @@ def final_times_summary(tried: FinalTimes | None) -> dict[str, Any] | None:
     }
 
 
-def final_time_text(leg_summary: Mapping[str, Any]) -> str:
+def final_time_text(phase_summary: Mapping[str, Any]) -> str:
     """The final time with the length of an interval, where it was free."""
-    if leg_summary["final_times"] is None:
+    if phase_summary["final_times"] is None:
         return ""
-    step = leg_summary["step_s"]
-    return f"{short(leg_summary['final_time_s'], 6)} ({short(step)} an interval)"
+    step = phase_summary["step_s"]
+    return f"{short(phase_summary['final_time_s'], 6)} ({short(step)} an interval)"
 
 
-def cost_text(leg_summary: Mapping[str, Any]) -> str:
+def cost_text(phase_summary: Mapping[str, Any]) -> str:
     """The cost with the time's own, and how many final times were tried for it."""
-    tried = leg_summary["final_times"]
+    tried = phase_summary["final_times"]
     if tried is None:
         return ""
     times = plural(len(tried["tried"]), "final time")
     return f"{short(tried['cost'], 6) or 'not reached'} ({times} tried)"
 
 
-def final_times_variables(leg: Leg, rows: int) -> dict[str, _Variable]:
+def final_times_variables(phase: Phase, rows: int) -> dict[str, _Variable]:
     """The trials as labelled arrays of `rows` rows, the last ones empty; none where fixed."""
-    tried = leg.final_times
+    tried = phase.final_times
     if tried is None:
         return {}
 
@@ -69,9 +70,9 @@ def final_times_variables(leg: Leg, rows: int) -> dict[str, _Variable]:
     }
 
 
-def final_times_panels(axes: Sequence[Axes], leg: Leg) -> None:
+def final_times_panels(axes: Sequence[Axes], phase: Phase) -> None:
     """Cost above, active intervals below, against final time; the answer is a star."""
-    tried = leg.final_times
+    tried = phase.final_times
     assert tried is not None
     above, below = axes
     known = np.isfinite(tried.costs)
@@ -90,13 +91,13 @@ def final_times_panels(axes: Sequence[Axes], leg: Leg) -> None:
         "zorder": 5,
     }
     if np.isfinite(tried.cost):
-        above.scatter(leg.final_time, tried.cost, **answer)
-        below.scatter(leg.final_time, leg.active_intervals, **answer)
+        above.scatter(phase.final_time, tried.cost, **answer)
+        below.scatter(phase.final_time, phase.active_intervals, **answer)
         # What costs far more than the answer would leave no room for what competes with it.
         top = min(3.0 * tried.cost, float(tried.costs[known].max()))
         above.set_ylim(0.0, 1.08 * top if top > 0.0 else 1.0)
         most = float(tried.active_intervals[known].max())
-        below.set_ylim(0.0, 1.08 * min(3.0 * leg.active_intervals + 4.0, most + 1.0))
+        below.set_ylim(0.0, 1.08 * min(3.0 * phase.active_intervals + 4.0, most + 1.0))
     above.plot([], [], "o", color=colour(0), alpha=0.7, label="cheapest answer")
     above.plot(
         [], [], color=colour(1), linewidth=0.8, alpha=0.6, label="none of those tried reached"

@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from jaxatt.report.figure import Picture, colour, picture, tidy
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.flight_summary import AXES
-from jaxatt.report.result import Floats
 from jaxatt.report.wording import plural
+from jaxatt.runtime.arrays import Floats
 
 _RPM = 60.0 / (2.0 * np.pi)
 _SHOWN = 200  # runs of which a phase portrait draws a line

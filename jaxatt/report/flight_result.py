@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jaxatt.report.result import Flags, Floats
 from jaxatt.report.wording import plural
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Spread
 from jaxatt.simulation.closed_loop import FLYING, NOT_FINITE, TUMBLING, Flown

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from jaxatt.report.flight_result import PERCENTILES, FlightResult
-from jaxatt.report.result import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.settling import CHANNELS
 
 AXES = CHANNELS[:3]

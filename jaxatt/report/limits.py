@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-from jaxatt.report.result import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.wheels import ReactionWheels
 
 _MARGIN = 1e-9

@@ -14,8 +14,9 @@ from matplotlib.patches import Patch
 from jaxatt.attitude import euler
 from jaxatt.report.figure import CHEAP, COAST, FORBIDDEN, colour, tidy
 from jaxatt.report.limits import body_torque_limit
-from jaxatt.report.result import Flags, Floats, Result
+from jaxatt.report.result import Result
 from jaxatt.report.timeline import Timeline, timeline
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 
 ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
@@ -26,7 +27,7 @@ _euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
 
 
 def shade(axes: Axes, result: Result, legend: bool = True) -> None:
-    """Shade windows and the coasting tail, and mark where a leg ends."""
+    """Shade windows and the coasting tail, and mark where a phase ends."""
     line = timeline(result)
     priced = result.scenario.objective.kind == "moving-l0"
     cheap: dict[str, Any] = {"facecolor": CHEAP, "alpha": 0.45 if priced else 0.2, "linewidth": 0}
@@ -67,14 +68,14 @@ def euler_angles(axes: Axes, result: Result) -> None:
     line = timeline(result)
     angles = np.unwrap(np.asarray(_euler(line.nodes["q_ob"])), axis=0)
     _lines(axes, line.time, np.degrees(angles), ANGLES)
-    for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
-        wanted = np.asarray(_euler(leg.reference["q_ob"]))
+    for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
+        wanted = np.asarray(_euler(phase.reference["q_ob"]))
         at_end = angles[np.searchsorted(line.time, end - 1e-9)]
         _references(axes, start, end, np.degrees(_nearest_turn(wanted, at_end)))
     waypoint = result.scenario.waypoint
     if waypoint is not None:
         wanted = np.asarray(_euler(waypoint.q_ob))
-        passing = waypoint.node * result.legs[0].step
+        passing = waypoint.node * result.phases[0].step
         now = angles[np.searchsorted(line.time, passing - 1e-9)]
         for index, angle in enumerate(np.degrees(_nearest_turn(wanted, now))):
             label = "waypoint" if index == 0 else None
@@ -88,8 +89,8 @@ def relative_rate(axes: Axes, result: Result) -> None:
     line = timeline(result)
     names = [rf"$\omega_{axis}$" for axis in AXES]
     _lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), names)
-    for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
-        _references(axes, start, end, np.degrees(leg.reference["omega_ob"]))
+    for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
+        _references(axes, start, end, np.degrees(phase.reference["omega_ob"]))
     frame = "ib" if result.scenario.orbit is None else "ob"
     axes.set_ylabel(rf"$\omega_{{{frame}}}^{{b}}$ [deg/s]")
 
@@ -111,8 +112,8 @@ def states(axes: Axes, result: Result) -> None:
     line = timeline(result)
     values = line.nodes["state"]
     _lines(axes, line.time, values, [rf"$x_{i + 1}$" for i in range(values.shape[1])])
-    for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
-        _references(axes, start, end, leg.reference["state"])
+    for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
+        _references(axes, start, end, phase.reference["state"])
     axes.set_ylabel("state")
 
 
@@ -173,9 +174,9 @@ def valves(axes: Axes, result: Result) -> None:
     vehicle = result.scenario.vehicle
     assert vehicle is not None
     count = vehicle.thrusters.count
-    for leg in result.legs:
-        for found in leg.quantised[:1]:
-            starts = leg.start_time + leg.step * np.arange(len(found.opens))
+    for phase in result.phases:
+        for found in phase.quantised[:1]:
+            starts = phase.start_time + phase.step * np.arange(len(found.opens))
             for j in range(count):
                 spans = np.stack([starts + found.opens[:, j], (found.shuts - found.opens)[:, j]])
                 open_now = spans[1] > 0.0
@@ -196,9 +197,9 @@ def quaternion_components(axes: Axes, result: Result) -> None:
     )
     values = values * signs[:, None]
     _lines(axes, line.time, values, [r"$\eta$", *(rf"$\epsilon_{i}$" for i in (1, 2, 3))])
-    for leg, (start, end) in zip(result.legs, _spans(line), strict=True):
+    for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
         at_end = values[np.searchsorted(line.time, end - 1e-9)]
-        wanted = leg.reference["q_ob"]
+        wanted = phase.reference["q_ob"]
         _references(axes, start, end, wanted if wanted @ at_end >= 0.0 else -wanted)
     axes.set_ylabel("quaternion")
 

@@ -37,7 +37,7 @@ _TOY: Mapping[str, Panel] = {"control": panels.control, "state": panels.states}
 def plot(result: Result) -> Picture:
     """Overview: every quantity over time, and how all starts ended."""
     chosen = list(_panels(result).values())
-    legs = len(result.legs)
+    phases = len(result.phases)
     figure = picture(9.0, 1.75 * len(chosen) + 3.2, headline(result))
     above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.75 * len(chosen), 2.6))[
         :, 0
@@ -47,7 +47,7 @@ def plot(result: Result) -> Picture:
         panel(axes, result)
         panels.shade(axes, result, legend=index == 0)
     column[-1].set_xlabel("time [s]")
-    _starts(list(below.subplots(1, legs, squeeze=False)[0]), result)
+    _starts(list(below.subplots(1, phases, squeeze=False)[0]), result)
     return figure
 
 
@@ -63,16 +63,16 @@ def figures(result: Result) -> dict[str, Picture]:
         panel(axes, result)
         panels.shade(axes, result)
         axes.set_xlabel("time [s]")
-    if any(leg.pointing is not None and leg.pointing.angles.size for leg in result.legs):
+    if any(phase.pointing is not None and phase.pointing.angles.size for phase in result.phases):
         made["pointing"] = pointing_figure(result)
-    legs = len(result.legs)
-    if any(leg.final_times is not None for leg in result.legs):
-        made["final_times"] = picture(5.5 * legs, 5.5, result.scenario.title)
-        grid = made["final_times"].subplots(2, legs, sharex="col", squeeze=False)
-        for index, leg in enumerate(result.legs):
-            final_times_panels(list(grid[:, index]), leg)
-    made["starts"] = picture(5.5 * legs, 4.0, result.scenario.title)
-    _starts(list(made["starts"].subplots(1, legs, squeeze=False)[0]), result)
+    phases = len(result.phases)
+    if any(phase.final_times is not None for phase in result.phases):
+        made["final_times"] = picture(5.5 * phases, 5.5, result.scenario.title)
+        grid = made["final_times"].subplots(2, phases, sharex="col", squeeze=False)
+        for index, phase in enumerate(result.phases):
+            final_times_panels(list(grid[:, index]), phase)
+    made["starts"] = picture(5.5 * phases, 4.0, result.scenario.title)
+    _starts(list(made["starts"].subplots(1, phases, squeeze=False)[0]), result)
     return made
 
 
@@ -110,8 +110,8 @@ def compare(results: Mapping[str, Result]) -> Picture:
 def headline(result: Result) -> str:
     """One line for the head of a figure."""
     kind = OBJECTIVES[result.scenario.objective.kind]
-    if result.legs[0].time_optimum is not None:
-        found = ", ".join(f"{leg.final_time:.4f} s" for leg in result.legs)
+    if result.phases[0].time_optimum is not None:
+        found = ", ".join(f"{phase.final_time:.4f} s" for phase in result.phases)
         return f"{result.scenario.title}\n{kind}: {found}, {result.status}"
     count = result.active_intervals
     return f"{result.scenario.title}\n{kind}: {plural(count, 'active interval')}, {result.status}"
@@ -122,11 +122,11 @@ def _panels(result: Result) -> Mapping[str, Panel]:
     if vehicle is None:
         return _TOY
     chosen = dict(_ATTITUDE)
-    if result.legs[0].time_optimum is not None:
+    if result.phases[0].time_optimum is not None:
         chosen = {"mrp": time_panels.modified_rodrigues, **chosen}
     if vehicle.thrusters.count:
         chosen = {"quaternion": panels.quaternion_components, **chosen, **_THRUSTERS}
-        if any(leg.quantised for leg in result.legs):
+        if any(phase.quantised for phase in result.phases):
             chosen["valves"] = panels.valves
     if vehicle.wheels.count:
         chosen |= _WHEELS
@@ -159,10 +159,10 @@ def _torque(result: Result, kind: str) -> Picture:
 
 def _starts(row: list[Axes], result: Result) -> None:
     toy = result.scenario.vehicle is None
-    for index, (axes, leg) in enumerate(zip(row, result.legs, strict=True)):
-        if leg.time_optimum is None:
-            starts_panel(axes, leg, toy)
+    for index, (axes, phase) in enumerate(zip(row, result.phases, strict=True)):
+        if phase.time_optimum is None:
+            starts_panel(axes, phase, toy)
         else:
-            time_panels.costs_panel(axes, leg)
-        name = f"leg {index + 1}: " if len(result.legs) > 1 else ""
-        axes.set_title(f"{name}{len(leg.starts.status)} starts", fontsize="medium")
+            time_panels.costs_panel(axes, phase)
+        name = f"leg {index + 1}: " if len(result.phases) > 1 else ""
+        axes.set_title(f"{name}{len(phase.starts.status)} starts", fontsize="medium")

@@ -6,15 +6,18 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from jaxatt.report.figure import COAST, Picture, colour, picture, tidy
-from jaxatt.report.result import Floats, PointingRecord, Result
+from jaxatt.report.result import PointingRecord, Result
 from jaxatt.report.wording import limit_label
+from jaxatt.runtime.arrays import Floats
 
 _RING = 361
 
 
 def pointing_figure(result: Result) -> Picture:
     """Angles above, maps in inertial axes below; one column a cone."""
-    count = max(leg.pointing.angles.shape[1] for leg in result.legs if leg.pointing is not None)
+    count = max(
+        phase.pointing.angles.shape[1] for phase in result.phases if phase.pointing is not None
+    )
     figure = picture(max(8.0, 5.2 * count), 7.0, result.scenario.title)
     above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 1.15))[:, 0]
     upper = above.subplots(1, count, squeeze=False)[0]
@@ -28,22 +31,22 @@ def pointing_figure(result: Result) -> Picture:
 def _angles(axes: Axes, result: Result, index: int) -> None:
     """Angle of one cone over time, what it forbids shaded."""
     end = 0.0
-    for leg in result.legs:
-        record = leg.pointing
+    for phase in result.phases:
+        record = phase.pointing
         assert record is not None
-        time = leg.start_time + record.time
-        if leg is not result.legs[-1]:
-            time = time[time <= leg.start_time + leg.step * len(leg.active) + 1e-9]
+        time = phase.start_time + record.time
+        if phase is not result.phases[-1]:
+            time = time[time <= phase.start_time + phase.step * len(phase.active) + 1e-9]
         axes.plot(time, np.degrees(record.angles[: len(time), index]), color=colour(0))
         worst = record.extremes[index]
         axes.plot(
-            leg.start_time + worst.time,
+            phase.start_time + worst.time,
             np.degrees(worst.value),
             "o",
             color=colour(1),
-            label=f"{np.degrees(worst.value):.4g} deg" if leg is result.legs[0] else None,
+            label=f"{np.degrees(worst.value):.4g} deg" if phase is result.phases[0] else None,
         )
-        end = leg.start_time + leg.step * len(leg.active)
+        end = phase.start_time + phase.step * len(phase.active)
     allowed = np.degrees(worst.allowed)
     low, high = axes.get_ylim()
     out = worst.kind == "keep-out"
@@ -69,10 +72,10 @@ def _angles(axes: Axes, result: Result, index: int) -> None:
 
 def _map(axes: Axes, result: Result, index: int) -> None:
     """Path of a boresight in inertial axes with the cone where it is met most closely."""
-    for leg in result.legs:
-        record = leg.pointing
+    for phase in result.phases:
+        record = phase.pointing
         assert record is not None
-        count = int(np.searchsorted(record.time, leg.step * len(leg.active) + 1e-9))
+        count = int(np.searchsorted(record.time, phase.step * len(phase.active) + 1e-9))
         _curve(axes, record.boresights[:count, index], "-", 0, "boresight")
         for step, mark, words in ((0, "o", "start"), (count - 1, "s", "end")):
             _points(axes, record.boresights[step : step + 1, index], mark, 0, words)

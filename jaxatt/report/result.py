@@ -14,13 +14,11 @@ from jaxatt.problems.pointing.watch import Extreme
 from jaxatt.problems.scenario import Scenario
 from jaxatt.report.time_optimum import TimeOptimum, control_effort
 from jaxatt.report.wording import indices_text, plural
+from jaxatt.runtime.arrays import Flags, Floats
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +54,7 @@ class Valves:
     active : (N,), intervals with any torque.  on_time : (m,) [s].
     partly_open : sampled torques that are neither zero nor the limit.
     opposed : intervals in which opposed thrusters are open together.
-    obstacle : which cones and rate limits it breaks, in words; empty where none.
+    failure_reason : which cones and rate limits it breaks, in words; empty where none.
     """
 
     mode: str
@@ -70,7 +68,7 @@ class Valves:
     on_time: Floats
     partly_open: int
     opposed: int
-    obstacle: str = ""
+    failure_reason: str = ""
 
     def __repr__(self) -> str:
         count = plural(int(self.active.sum()), "active interval")
@@ -79,12 +77,12 @@ class Valves:
 
 @dataclass(frozen=True, eq=False)
 class PointingRecord:
-    """How a leg kept to its cones and rate limits, at every Runge-Kutta step of its flight.
+    """How a phase kept to its cones and rate limits, at every Runge-Kutta step of its flight.
 
-    time : (T,) [s] from the leg's start, the coast included.
+    time : (T,) [s] from the phase's start, the coast included.
     angles : (T, m) [rad], of m cones.  boresights, directions : (T, m, 3), in inertial axes.
     extremes : the worst instant before the end of the horizon, one a cone, then of the rate.
-    guard : by how much the search took the cones stricter than they are, (m,) [rad].
+    constraint_margin : by how much the search took the cones stricter than they are, (m,) [rad].
     """
 
     time: Floats
@@ -92,7 +90,7 @@ class PointingRecord:
     boresights: Floats
     directions: Floats
     extremes: tuple[Extreme, ...]
-    guard: Floats
+    constraint_margin: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +99,8 @@ class FinalTimes:
 
     time_weight : [1/s], cost of a second in active intervals.  cost : of the answer, with its time.
     final_time : (K,) [s].  costs : (K,), infinite where nothing reached.  active_intervals,
-    reached : (K,), of the best answer there.  how : K words, see `jaxatt.problems.hands_off.search.time_cost`.
+    reached : (K,), of the best answer there.  how : K words, see
+    `jaxatt.problems.hands_off.search.time_cost`.
     """
 
     time_weight: float
@@ -117,7 +116,7 @@ class FinalTimes:
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class Phase:
     """One optimisation, flown again.
 
     start_time, step : [s].  controls : (N, b), optimised controls (torques in body or wheel axes
@@ -134,7 +133,7 @@ class Leg:
     objective : named parts of the printed cost.
     effort : L1 effort [N m s], or the integral of a toy's |u|.
     reached : whether the flight is within every tolerance and limit.
-    obstacle : what stood in the way if it is not, in words; empty otherwise.
+    failure_reason : what stood in the way if it is not, in words; empty otherwise.
     starts : how every start ended.
     alternative : in penalty mode, the best answer that does reach, where the best by cost does not.
     quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
@@ -160,10 +159,10 @@ class Leg:
     objective: Mapping[str, float]
     effort: float
     reached: bool
-    obstacle: str
+    failure_reason: str
     active: Flags
     starts: StartsRecord
-    alternative: Leg | None = None
+    alternative: Phase | None = None
     quantised: tuple[Valves, ...] = ()
     final_times: FinalTimes | None = None
     pointing: PointingRecord | None = None
@@ -171,7 +170,7 @@ class Leg:
 
     @property
     def final_time(self) -> float:
-        """Length of the leg's horizon [s], without what coasts after it."""
+        """Length of the phase's horizon [s], without what coasts after it."""
         return self.step * len(self.active)
 
     @property
@@ -211,13 +210,13 @@ class Leg:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """The answer to a scenario: one leg, or several flown one after another.
+    """The answer to a scenario: one phase, or several flown one after another.
 
     status : "reached" or "not reached".  time : seconds spent on "compile", "solve", "verify".
     """
 
     scenario: Scenario
-    legs: tuple[Leg, ...]
+    phases: tuple[Phase, ...]
     seed: int
     time: Mapping[str, float]
     device: str
@@ -227,9 +226,14 @@ class Result:
     extra: Mapping[str, Any] = field(default_factory=dict)
 
     @property
+    def legs(self) -> tuple[Phase, ...]:
+        """The phases, by their earlier name."""
+        return self.phases
+
+    @property
     def reached(self) -> bool:
-        """Whether every leg verifiably reached its target."""
-        return all(leg.reached for leg in self.legs)
+        """Whether every phase verifiably reached its target."""
+        return all(phase.reached for phase in self.phases)
 
     @property
     def status(self) -> str:
@@ -238,8 +242,8 @@ class Result:
 
     @property
     def active_intervals(self) -> int:
-        """Active intervals of all legs together."""
-        return sum(leg.active_intervals for leg in self.legs)
+        """Active intervals of all phases together."""
+        return sum(phase.active_intervals for phase in self.phases)
 
     def summary(self) -> dict[str, Any]:
         """Plain numbers under stable names, ready for JSON."""
@@ -269,11 +273,11 @@ class Result:
         return save(self, folder)
 
     def __repr__(self) -> str:
-        if any(leg.time_optimum is not None for leg in self.legs):
-            total = sum(leg.final_time for leg in self.legs)
+        if any(phase.time_optimum is not None for phase in self.phases):
+            total = sum(phase.final_time for phase in self.phases)
             return f"Result({self.scenario.name}: {self.status}, {total:.6g} s)"
         count = plural(self.active_intervals, "active interval")
-        found = (indices_text(np.flatnonzero(leg.active).tolist()) for leg in self.legs)
+        found = (indices_text(np.flatnonzero(phase.active).tolist()) for phase in self.phases)
         return f"Result({self.scenario.name}: {self.status}, {count}: {' | '.join(found)})"
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""All starts of one leg: effort against active intervals."""
+"""All starts of one phase: effort against active intervals."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import Leg
+from jaxatt.report.result import Phase
 
 
-def starts_panel(axes: Axes, leg: Leg, toy: bool = False) -> None:
+def starts_panel(axes: Axes, phase: Phase, toy: bool = False) -> None:
     """Mark starts that reached the target, those that did not, and the answer."""
-    starts, unit = leg.starts, 1.0 if toy else 1e3
+    starts, unit = phase.starts, 1.0 if toy else 1e3
     count = np.asarray(starts.active_intervals, float)
     # Many starts share a count: side by side they stay visible.
     beside = count + 0.28 * np.sin(2.399963 * np.arange(len(count)))
@@ -27,12 +27,12 @@ def starts_panel(axes: Axes, leg: Leg, toy: bool = False) -> None:
             label = f"{words} ({int(mask.sum())})"
             style: dict[str, Any] = {"s": 26, "c": colour(index), "marker": marker, "alpha": 0.7}
             axes.scatter(beside[mask], unit * starts.effort[mask], label=label, **style)
-    words = "answer" if leg.reached else "answer (does not reach)"
+    words = "answer" if phase.reached else "answer (does not reach)"
     ringed: dict[str, Any] = {"edgecolor": "black", "zorder": 5}
     answer = ringed | {"s": 170, "c": colour(4), "marker": "*", "label": words}
-    axes.scatter(leg.active_intervals, unit * leg.effort, **answer)
-    if leg.alternative is not None:
-        other, words = leg.alternative, "best that reaches"
+    axes.scatter(phase.active_intervals, unit * phase.effort, **answer)
+    if phase.alternative is not None:
+        other, words = phase.alternative, "best that reaches"
         diamond = ringed | {"s": 70, "c": colour(5), "marker": "D", "label": words}
         axes.scatter(other.active_intervals, unit * other.effort, **diamond)
     axes.set_xlabel("active intervals")

@@ -1,9 +1,9 @@
 """A result in plain numbers under stable names, as `summary.json` holds it.
 
-Where a case has several legs, the top level adds up costs, counts, efforts, times, starts, shifts
-the interval indices of leg k (counted from zero) by k N, and takes errors and violations from the
-worst leg; `step_s` is null where the legs' intervals differ in length.  A name that does not apply
-holds null.  For the toy systems the names with N m hold values in the unit of their control.
+Where a case has several phases, the top level adds up costs, counts, efforts, times, starts, shifts
+the interval indices of phase k (counted from zero) by k N, and takes errors and violations from the
+worst phase; `step_s` is null where the phases' intervals differ in length.  A name that does not
+apply holds null.  For the toy systems the names with N m hold values in the unit of their control.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from jaxatt.optimize.status import Status
 from jaxatt.report.files import replacing
 from jaxatt.report.final_times import final_times_summary
-from jaxatt.report.result import Leg, Result, StartsRecord, Valves
+from jaxatt.report.result import Phase, Result, StartsRecord, Valves
 from jaxatt.report.wording import LIMITS
 
 _ERRORS = {
@@ -28,7 +28,7 @@ _ERRORS = {
     "waypoint_error_deg": ("waypoint", math.degrees(1.0)),
     "state_error": ("state", 1.0),
 }
-"""Name in the summary -> (name in `Leg.errors`, factor to its unit)."""
+"""Name in the summary -> (name in `Phase.errors`, factor to its unit)."""
 
 _SUMS = (
     "active_intervals",
@@ -43,26 +43,26 @@ _WORST = (*_ERRORS, "max_torque_violation_Nm", "max_complementarity_Nm")
 
 def summary(result: Result) -> dict[str, Any]:
     """Plain numbers, texts and lists of a result, ready for JSON (no NaN, no arrays)."""
-    legs = [_leg(leg) for leg in result.legs]
-    several = len(legs) > 1
-    body = _together(legs, result.scenario.horizon.intervals) if several else legs[0]
-    alternative = None if several else result.legs[0].alternative
+    phases = [_phase(phase) for phase in result.phases]
+    several = len(phases) > 1
+    body = _together(phases, result.scenario.horizon.intervals) if several else phases[0]
+    alternative = None if several else result.phases[0].alternative
     numbered = [
         {
             "leg": index + 1,
-            "start_time_s": leg.start_time,
+            "start_time_s": phase.start_time,
             **block,
-            "alternative": None if leg.alternative is None else _leg(leg.alternative),
+            "alternative": None if phase.alternative is None else _phase(phase.alternative),
         }
-        for index, (leg, block) in enumerate(zip(result.legs, legs, strict=True))
+        for index, (phase, block) in enumerate(zip(result.phases, phases, strict=True))
     ]
     numbers: dict[str, Any] = _clean(
         {
             "scenario": result.scenario.name,
             **body,
             "do_nothing_cost": do_nothing_cost(result),
-            "alternative": None if alternative is None else _leg(alternative),
-            "quantised_otherwise": _other_way(result.legs) if not several else None,
+            "alternative": None if alternative is None else _phase(alternative),
+            "quantised_otherwise": _other_way(result.phases) if not several else None,
             "legs": numbered if several else [],
             "time_s": {name: result.time.get(name) for name in ("compile", "solve", "verify")},
             "seed": result.seed,
@@ -91,8 +91,8 @@ def do_nothing_cost(result: Result) -> float | None:
     known = result.extra.get("do_nothing_cost")
     if known is not None:
         return float(known)
-    resting = not any(leg.active.any() for leg in result.legs)
-    return sum(leg.total_cost for leg in result.legs) if resting else None
+    resting = not any(phase.active.any() for phase in result.phases)
+    return sum(phase.total_cost for phase in result.phases) if resting else None
 
 
 def starts_summary(starts: StartsRecord) -> dict[str, int]:
@@ -105,35 +105,35 @@ def starts_summary(starts: StartsRecord) -> dict[str, int]:
     }
 
 
-def _leg(leg: Leg) -> dict[str, Any]:
+def _phase(phase: Phase) -> dict[str, Any]:
     errors = {
-        name: leg.errors[key] * factor if key in leg.errors else None
+        name: phase.errors[key] * factor if key in phase.errors else None
         for name, (key, factor) in _ERRORS.items()
     }
-    optimum = leg.time_optimum
+    optimum = phase.time_optimum
     return {
-        "status": "reached" if leg.reached else "not reached",
-        "objective": {"total": leg.total_cost, **leg.objective},
-        "active_intervals": leg.active_intervals,
-        "active_interval_indices": np.flatnonzero(leg.active).tolist(),
-        "weighted_active_intervals": leg.weighted_active_intervals,
-        "active_outside_windows": leg.active_outside_windows,
-        "relative_sparsity_percent": 100.0 * leg.active_intervals / len(leg.active),
+        "status": "reached" if phase.reached else "not reached",
+        "objective": {"total": phase.total_cost, **phase.objective},
+        "active_intervals": phase.active_intervals,
+        "active_interval_indices": np.flatnonzero(phase.active).tolist(),
+        "weighted_active_intervals": phase.weighted_active_intervals,
+        "active_outside_windows": phase.active_outside_windows,
+        "relative_sparsity_percent": 100.0 * phase.active_intervals / len(phase.active),
         **errors,
-        "max_torque_violation_Nm": leg.limit_violation,
-        "max_complementarity_Nm": leg.max_complementarity,
-        "l1_effort_Nms": leg.effort,
-        "final_time_s": leg.final_time,
-        "step_s": leg.step,
-        "control_effort": leg.control_effort,
+        "max_torque_violation_Nm": phase.limit_violation,
+        "max_complementarity_Nm": phase.max_complementarity,
+        "l1_effort_Nms": phase.effort,
+        "final_time_s": phase.final_time,
+        "step_s": phase.step,
+        "control_effort": phase.control_effort,
         "cost": None if optimum is None else optimum.cost,
         "kkt": None if optimum is None else optimum.kkt,
         "time_optimum": None if optimum is None else optimum.to_dict(),
-        "final_times": final_times_summary(leg.final_times),
-        "quantised": valves_summary(leg.quantised[0]) if leg.quantised else None,
-        "pointing": _pointing(leg),
-        "obstacle": leg.obstacle,
-        "starts": starts_summary(leg.starts),
+        "final_times": final_times_summary(phase.final_times),
+        "quantised": valves_summary(phase.quantised[0]) if phase.quantised else None,
+        "pointing": _pointing(phase),
+        "obstacle": phase.failure_reason,
+        "starts": starts_summary(phase.starts),
     }
 
 
@@ -150,14 +150,14 @@ def valves_summary(valves: Valves) -> dict[str, Any]:
         "on_time_s": valves.on_time.tolist(),
         "partially_open_samples": valves.partly_open,
         "opposed_firings": valves.opposed,
-        "obstacle": valves.obstacle,
+        "obstacle": valves.failure_reason,
     }
 
 
-def _pointing(leg: Leg) -> list[dict[str, Any]]:
-    """Every cone and limited rate at its worst instant; `time_s` from the leg's start."""
+def _pointing(phase: Phase) -> list[dict[str, Any]]:
+    """Every cone and limited rate at its worst instant; `time_s` from the phase's start."""
     found = []
-    for e in () if leg.pointing is None else leg.pointing.extremes:
+    for e in () if phase.pointing is None else phase.pointing.extremes:
         name, unit = LIMITS[e.kind]
         found.append(
             {
@@ -172,59 +172,65 @@ def _pointing(leg: Leg) -> list[dict[str, Any]]:
     return found
 
 
-def _other_way(legs: Sequence[Leg]) -> dict[str, Any] | None:
-    """The way of quantising that the scenario did not ask for, of a single leg."""
-    others = legs[0].quantised[1:]
+def _other_way(phases: Sequence[Phase]) -> dict[str, Any] | None:
+    """The way of quantising that the scenario did not ask for, of a single phase."""
+    others = phases[0].quantised[1:]
     return valves_summary(others[0]) if others else None
 
 
-def _valves_together(legs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    reached = all(leg["status"] == "reached" for leg in legs)
+def _valves_together(phases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    reached = all(phase["status"] == "reached" for phase in phases)
     return {
-        "mode": legs[0]["mode"],
+        "mode": phases[0]["mode"],
         "status": "reached" if reached else "not reached",
-        "active_intervals": sum(leg["active_intervals"] for leg in legs),
+        "active_intervals": sum(phase["active_intervals"] for phase in phases),
         "relative_sparsity_percent": float(
-            np.mean([leg["relative_sparsity_percent"] for leg in legs])
+            np.mean([phase["relative_sparsity_percent"] for phase in phases])
         ),
-        "attitude_error_deg": float(np.max([leg["attitude_error_deg"] for leg in legs])),
-        "rate_error_rad_s": float(np.max([leg["rate_error_rad_s"] for leg in legs])),
-        "on_time_s": np.sum([leg["on_time_s"] for leg in legs], axis=0).tolist(),
-        "partially_open_samples": sum(leg["partially_open_samples"] for leg in legs),
-        "opposed_firings": sum(leg["opposed_firings"] for leg in legs),
-        "obstacle": "; ".join(leg["obstacle"] for leg in legs if leg["obstacle"]),
+        "attitude_error_deg": float(np.max([phase["attitude_error_deg"] for phase in phases])),
+        "rate_error_rad_s": float(np.max([phase["rate_error_rad_s"] for phase in phases])),
+        "on_time_s": np.sum([phase["on_time_s"] for phase in phases], axis=0).tolist(),
+        "partially_open_samples": sum(phase["partially_open_samples"] for phase in phases),
+        "opposed_firings": sum(phase["opposed_firings"] for phase in phases),
+        "obstacle": "; ".join(phase["obstacle"] for phase in phases if phase["obstacle"]),
     }
 
 
-def _together(legs: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, Any]:
-    together: dict[str, Any] = {name: sum(leg[name] for leg in legs) for name in _SUMS}
+def _together(phases: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, Any]:
+    together: dict[str, Any] = {name: sum(phase[name] for phase in phases) for name in _SUMS}
     for name in _WORST:
-        values = [leg[name] for leg in legs if leg[name] is not None]
+        values = [phase[name] for phase in phases if phase[name] is not None]
         # max() would pass over a NaN, which is the worst of all.
         together[name] = float(np.max(values)) if values else None
     for name in ("objective", "starts"):
-        together[name] = {part: sum(leg[name][part] for leg in legs) for part in legs[0][name]}
+        together[name] = {
+            part: sum(phase[name][part] for phase in phases) for part in phases[0][name]
+        }
     together["active_interval_indices"] = [
         index + number * intervals
-        for number, leg in enumerate(legs)
-        for index in leg["active_interval_indices"]
+        for number, phase in enumerate(phases)
+        for index in phase["active_interval_indices"]
     ]
     together["pointing"] = [
-        {"leg": number + 1, **entry} for number, leg in enumerate(legs) for entry in leg["pointing"]
+        {"leg": number + 1, **entry}
+        for number, phase in enumerate(phases)
+        for entry in phase["pointing"]
     ]
-    steps = {leg["step_s"] for leg in legs}
+    steps = {phase["step_s"] for phase in phases}
     together["step_s"] = steps.pop() if len(steps) == 1 else None
     together |= dict.fromkeys(("cost", "kkt", "time_optimum", "final_times"))
-    valves = [leg["quantised"] for leg in legs]
+    valves = [phase["quantised"] for phase in phases]
     together["quantised"] = None if None in valves else _valves_together(valves)
     count = together["active_intervals"]
-    reached = all(leg["status"] == "reached" for leg in legs)
+    reached = all(phase["status"] == "reached" for phase in phases)
     together["status"] = "reached" if reached else "not reached"
-    together["relative_sparsity_percent"] = 100.0 * count / (intervals * len(legs))
+    together["relative_sparsity_percent"] = 100.0 * count / (intervals * len(phases))
     together["obstacle"] = "; ".join(
-        f"leg {number + 1}: {leg['obstacle']}" for number, leg in enumerate(legs) if leg["obstacle"]
+        f"leg {number + 1}: {phase['obstacle']}"
+        for number, phase in enumerate(phases)
+        if phase["obstacle"]
     )
-    return {name: together[name] for name in legs[0]}
+    return {name: together[name] for name in phases[0]}
 
 
 def _clean(value: Any) -> Any:

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from jaxatt.report.final_times import cost_text, final_time_text
-from jaxatt.report.result import Leg, Result
+from jaxatt.report.result import Phase, Result
 from jaxatt.report.summary import do_nothing_cost, summary
 from jaxatt.report.time_rows import time_rows
 from jaxatt.report.wording import LIMITS, OBJECTIVES, indices_text, limit_label, limit_text, short
@@ -171,25 +171,25 @@ def _controllers(headers: Sequence[str], title: str) -> Table:
     return table
 
 
-def resting_sentence(result: Result) -> str:
+def do_nothing_sentence(result: Result) -> str:
     """Say so where the printed cost is lowest at rest, or tumbling, short of the target."""
     cost = do_nothing_cost(result)
     if result.scenario.objective.terminal != "penalty" or cost is None:
         return ""
-    others = [leg.alternative for leg in result.legs if leg.alternative is not None]
+    others = [phase.alternative for phase in result.phases if phase.alternative is not None]
     against = ""
-    if len(others) == len(result.legs):
+    if len(others) == len(result.phases):
         total = sum(other.total_cost for other in others)
         against = f" against {total:.4g} for the best start that reaches"
-    if not any(leg.active.any() for leg in result.legs):
+    if not any(phase.active.any() for phase in result.phases):
         return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
-    turned = [leg for leg in result.legs if not leg.reached and "rate" in leg.errors]
+    turned = [phase for phase in result.phases if not phase.reached and "rate" in phase.errors]
     if not turned:
         return ""
-    worst = max(turned, key=lambda leg: leg.errors["attitude"])
+    worst = max(turned, key=lambda phase: phase.errors["attitude"])
     return (
         "The printed objective prefers tumbling to braking: "
-        f"J = {sum(leg.total_cost for leg in result.legs):.4g} ends "
+        f"J = {sum(phase.total_cost for phase in result.phases):.4g} ends "
         f"{math.degrees(worst.errors['attitude']):.3g} deg off at "
         f"{math.degrees(worst.errors['rate']):.3g} deg/s{against}; "
         f"not moving costs {cost:.4g}."
@@ -203,11 +203,11 @@ def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
         f"{', '.join(f'{name} {version}' for name, version in result.versions.items())}"
     )
     notes = [f"Note: {note}" for note in result.notes]
-    return Text("\n".join(filter(None, [resting_sentence(result), *notes, made])))
+    return Text("\n".join(filter(None, [do_nothing_sentence(result), *notes, made])))
 
 
 def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
-    first = result.legs[0]
+    first = result.phases[0]
     toy = "state" in first.errors
     rows: list[tuple[str, Callable[[_Block], str | Text]]] = [
         ("status", _status),
@@ -254,7 +254,7 @@ def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
 
 
 def _limit(index: int) -> Callable[[_Block], str | Text]:
-    """How a block kept to one cone or rate limit; of legs together each says it for itself."""
+    """How a block kept to one cone or rate limit; of phases together each says it for itself."""
 
     def show(block: _Block) -> str | Text:
         entries = block["pointing"]
@@ -290,13 +290,13 @@ def _quantised(block: _Block) -> str:
     )
 
 
-def _error(leg: Leg, name: str, key: str) -> Callable[[_Block], str]:
+def _error(phase: Phase, name: str, key: str) -> Callable[[_Block], str]:
     factor = math.degrees(1.0) if key.endswith("_deg") else 1.0
 
     def show(block: _Block) -> str:
-        if name not in leg.tolerances:
+        if name not in phase.tolerances:
             return ""
-        allowed = leg.tolerances[name] * factor
+        allowed = phase.tolerances[name] * factor
         met = block[key] is not None and block[key] <= allowed
         return f"{short(block[key]) or 'not finite'} ({'<' if met else '>'} {allowed:.3g})"
 

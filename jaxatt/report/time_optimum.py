@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-Floats = npt.NDArray[np.float64]
+from jaxatt.runtime.arrays import Floats
 
 _SATURATED = 1e-3
 """Share of the half range within which a torque counts as at its limit."""
@@ -17,7 +16,7 @@ _SATURATED = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class TimeOptimum:
-    """The answer beyond what every leg holds: its price, its switches and how good it is.
+    """The answer beyond what every phase holds: its price, its switches and how good it is.
 
     effort_weight : rho [1/(N m)^2].  cost : [s], the programme's own.
     actuators : names, wheels then thrusters.  switch_times : (K,) [s] of each actuator.
@@ -26,7 +25,7 @@ class TimeOptimum:
     minima : different minima among the starts that ended well.  share : of all starts, those that
     ended at the best.
     own_error : [rad] by which the end of the transcription misses the target; that of the flight
-        with fine steps stands among the leg's errors.
+        with fine steps stands among the phase's errors.
     start_costs, start_times : (S,) [s], cost and final time where each start ended.
     attitude, integration : of the transcription.
     resolved_time : [s], with switches between the grid's nodes; None where they were not resolved.

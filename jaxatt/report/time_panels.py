@@ -11,8 +11,9 @@ from matplotlib.ticker import MaxNLocator
 
 from jaxatt.attitude import mrp
 from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import Floats, Leg, Result
+from jaxatt.report.result import Phase, Result
 from jaxatt.report.timeline import timeline
+from jaxatt.runtime.arrays import Floats
 
 _sigma = jax.jit(mrp.from_quaternion)
 
@@ -25,8 +26,8 @@ def modified_rodrigues(axes: Axes, result: Result) -> None:
     for index in range(3):
         label = rf"$\sigma_{index + 1}$"
         axes.plot(time, broken[:, index], color=colour(index), linewidth=1.5, label=label)
-    for leg in result.legs:
-        for index, value in enumerate(np.asarray(_sigma(leg.reference["q_ob"]))):
+    for phase in result.phases:
+        for index, value in enumerate(np.asarray(_sigma(phase.reference["q_ob"]))):
             style: dict[str, Any] = {"linestyle": "dotted", "linewidth": 1.4}
             axes.axhline(value, color=colour(index), **style)
     axes.set_ylabel("MRP")
@@ -34,8 +35,8 @@ def modified_rodrigues(axes: Axes, result: Result) -> None:
 
 def mark_switches(axes: Axes, result: Result, kind: str, only: int | None = None) -> None:
     """Dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
-    for leg in result.legs:
-        optimum = leg.time_optimum
+    for phase in result.phases:
+        optimum = phase.time_optimum
         if optimum is None:
             continue
         word = {"wheels": "wheel", "thrusters": "thruster"}.get(kind)
@@ -49,12 +50,12 @@ def mark_switches(axes: Axes, result: Result, kind: str, only: int | None = None
                 continue
             for time in times:
                 style: dict[str, Any] = {"linestyle": "dotted", "linewidth": 1.0}
-                axes.axvline(leg.start_time + time, color=colour(index), **style)
+                axes.axvline(phase.start_time + time, color=colour(index), **style)
 
 
-def costs_panel(axes: Axes, leg: Leg) -> None:
+def costs_panel(axes: Axes, phase: Phase) -> None:
     """Cost of every start from the best to the worst, reached or not."""
-    optimum, starts = leg.time_optimum, leg.starts
+    optimum, starts = phase.time_optimum, phase.starts
     assert optimum is not None
     known = np.isfinite(optimum.start_costs)
     order = np.argsort(np.where(known, optimum.start_costs, np.inf), kind="stable")

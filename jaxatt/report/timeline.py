@@ -1,4 +1,4 @@
-"""The legs of a result, one after another on one time axis."""
+"""The phases of a result, one after another on one time axis."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.report.result import Flags, Floats, Leg, Result
+from jaxatt.report.result import Phase, Result
+from jaxatt.runtime.arrays import Flags, Floats
 
 NODE_SERIES = ("q_ob", "omega_ob", "omega_ib", "omega_bw", "state")
 INTERVAL_SERIES = ("torque_body", "torque_wheels", "torque_thrusters", "control")
@@ -15,11 +16,11 @@ INTERVAL_SERIES = ("torque_body", "torque_wheels", "torque_thrusters", "control"
 
 @dataclass(frozen=True, eq=False)
 class Timeline:
-    """What was flown, with K nodes and I intervals over all legs.
+    """What was flown, with K nodes and I intervals over all phases.
 
     time : (K,) [s].  nodes : name -> (K, ...).  edges : (I + 1,) [s].
     intervals : name -> (I, ...).  active, window, forbidden : (I,).
-    ends : [s], end of each leg's horizon.
+    ends : [s], end of each phase's horizon.
     """
 
     time: Floats
@@ -32,36 +33,41 @@ class Timeline:
     ends: tuple[float, ...]
 
 
-def node_times(leg: Leg) -> Floats:
-    """Times of a leg's nodes from the leg's start, (M,) [s], the coasting tail included."""
-    count = max(len(leg.series[name]) for name in NODE_SERIES if name in leg.series)
-    return np.asarray(leg.step * np.arange(count))
+def node_times(phase: Phase) -> Floats:
+    """Times of a phase's nodes from its start, (M,) [s], the coasting tail included."""
+    count = max(len(phase.series[name]) for name in NODE_SERIES if name in phase.series)
+    return np.asarray(phase.step * np.arange(count))
 
 
 def timeline(result: Result) -> Timeline:
-    """Join the legs; a leg's coasting tail is kept only where no other leg follows."""
-    legs = result.legs
-    kept = [len(leg.active) for leg in legs[:-1]] + [len(node_times(legs[-1]))]
+    """Join the phases; a phase's coasting tail is kept only where no other phase follows."""
+    phases = result.phases
+    kept = [len(phase.active) for phase in phases[:-1]] + [len(node_times(phases[-1]))]
 
     def nodes(name: str) -> Floats:
-        return np.concatenate([leg.series[name][:k] for leg, k in zip(legs, kept, strict=True)])
+        return np.concatenate(
+            [phase.series[name][:k] for phase, k in zip(phases, kept, strict=True)]
+        )
 
-    first = legs[0]
-    starts = [leg.start_time + leg.step * np.arange(len(leg.active)) for leg in legs]
-    ends = tuple(leg.start_time + leg.step * len(leg.active) for leg in legs)
+    first = phases[0]
+    starts = [phase.start_time + phase.step * np.arange(len(phase.active)) for phase in phases]
+    ends = tuple(phase.start_time + phase.step * len(phase.active) for phase in phases)
     return Timeline(
         time=np.concatenate(
-            [leg.start_time + node_times(leg)[:k] for leg, k in zip(legs, kept, strict=True)]
+            [
+                phase.start_time + node_times(phase)[:k]
+                for phase, k in zip(phases, kept, strict=True)
+            ]
         ),
         nodes={name: nodes(name) for name in NODE_SERIES if name in first.series},
         edges=np.concatenate([*starts, [ends[-1]]]),
         intervals={
-            name: np.concatenate([leg.series[name] for leg in legs])
+            name: np.concatenate([phase.series[name] for phase in phases])
             for name in INTERVAL_SERIES
             if name in first.series
         },
-        active=np.concatenate([leg.active for leg in legs]),
-        window=np.concatenate([leg.window for leg in legs]),
-        forbidden=np.concatenate([leg.forbidden for leg in legs]),
+        active=np.concatenate([phase.active for phase in phases]),
+        window=np.concatenate([phase.window for phase in phases]),
+        forbidden=np.concatenate([phase.forbidden for phase in phases]),
         ends=ends,
     )

@@ -183,6 +183,6 @@ def _circumstances() -> str:
 def _code() -> str:
     """Digest of the whole package."""
     code = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
+    for source in sorted(Path(__file__).parents[1].rglob("*.py")):
         code.update(source.read_bytes())
     return code.hexdigest()

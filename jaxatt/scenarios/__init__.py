@@ -1,19 +1,18 @@
 """Scenarios: one TOML file for each published case, and the loader that checks them."""
 
+from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask, window_weights
+from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.scenario import (
     SPACECRAFT,
     TOY_SYSTEMS,
     Control,
     Disturbances,
     Horizon,
-    Initial,
     Objective,
     Orbit,
     Scenario,
     SolverSettings,
-    Target,
     Transcription,
-    Waypoint,
     Window,
 )
 from jaxatt.scenarios.attitudes import quaternion_from_angles
@@ -24,7 +23,6 @@ from jaxatt.scenarios.flight_loader import flight_from_mapping, replace_in_fligh
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file, replace
 from jaxatt.scenarios.vehicles import load_vehicle, vehicle_names
-from jaxatt.scenarios.windows import forbidden_mask, window_mask, window_weights
 
 __all__ = [
     "SPACECRAFT",
@@ -33,7 +31,7 @@ __all__ = [
     "Disturbances",
     "FlightScenario",
     "Horizon",
-    "Initial",
+    "InitialState",
     "Objective",
     "Orbit",
     "Scenario",

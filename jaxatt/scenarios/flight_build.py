@@ -13,7 +13,7 @@ from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.environment import epoch, igrf
 from jaxatt.environment.along_orbit import Nodes, OrbitTask, inertial_nodes, tabulate
 from jaxatt.environment.external import Along
-from jaxatt.problems.hands_off.build import elements_of
+from jaxatt.problems.surroundings import elements_of
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Start
 from jaxatt.simulation.closed_loop import Flight, Noise, Reference

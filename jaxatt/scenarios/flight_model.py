@@ -11,7 +11,8 @@ from typing import Any
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import ExternalTorques
-from jaxatt.problems.scenario import Initial, Orbit
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.scenario import Orbit
 from jaxatt.simulation.campaign import Spread
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
@@ -86,7 +87,7 @@ class FlightScenario:
     source: str
     vehicle: Spacecraft
     surroundings: Surroundings
-    initial: Initial
+    initial: InitialState
     asked: Asked
     timing: Timing
     signal: str

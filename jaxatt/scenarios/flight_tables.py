@@ -16,7 +16,8 @@ from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
-from jaxatt.problems.scenario import Initial, Orbit
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios.attitudes import attitude_given, read_attitude
 from jaxatt.scenarios.fields import Table
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
@@ -95,7 +96,7 @@ def _epoch(table: Table) -> Any:
     return moment
 
 
-def read_reference(data: Any, origin: str, initial: Initial, notes: list[str]) -> Asked:
+def read_reference(data: Any, origin: str, initial: InitialState, notes: list[str]) -> Asked:
     """What the laws follow."""
     table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
     manoeuvre = table.text("manoeuvre", " ").strip()

@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.hands_off.build import moments_of
 from jaxatt.problems.scenario import SPACECRAFT, TIME_KINDS, TOY_SYSTEMS, Scenario
 from jaxatt.scenarios import manoeuvre, settings, time_optimal
 from jaxatt.scenarios.attitudes import replaced_by
 from jaxatt.scenarios.documents import read_file
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import check_free_time
+from jaxatt.scenarios.moments import moments_of
 from jaxatt.scenarios.pointing import check_moments, read_pointing
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
 from jaxatt.scenarios.valves import check_thrusters

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.problems.scenario import Horizon, Initial, Target, Waypoint
+from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
+from jaxatt.problems.scenario import Horizon
 from jaxatt.scenarios.attitudes import read_attitude
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import refuse_seconds
@@ -21,11 +22,13 @@ _IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
 _TOY_STATES = 2
 
 
-def read_initial(data: Any, origin: str, vehicle: Spacecraft | None, notes: list[str]) -> Initial:
+def read_initial(
+    data: Any, origin: str, vehicle: Spacecraft | None, notes: list[str]
+) -> InitialState:
     """Return the checked start; `vehicle` is None for a toy system."""
     if vehicle is None:
         toy = Table(data, origin, "[initial]", TOY_TABLES["initial"])
-        return Initial(_IDENTITY, np.zeros(3), _EMPTY, toy.vector("state", _TOY_STATES))
+        return InitialState(_IDENTITY, np.zeros(3), _EMPTY, toy.vector("state", _TOY_STATES))
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
     count = vehicle.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
@@ -37,7 +40,7 @@ def read_initial(data: Any, origin: str, vehicle: Spacecraft | None, notes: list
             "start slower or raise [vehicle.wheels] speed_limit_rad_s",
         )
     attitude = read_attitude(table, notes)
-    return Initial(attitude, table.vector("rate_rad_s", 3, np.zeros(3)), speeds, _EMPTY)
+    return InitialState(attitude, table.vector("rate_rad_s", 3, np.zeros(3)), speeds, _EMPTY)
 
 
 def read_targets(
@@ -56,13 +59,14 @@ def read_targets(
         )
     if "legs" not in document:
         return (_target(document.get("target"), origin, "[target]", notes),)
-    legs = document["legs"]
-    if not isinstance(legs, list) or not legs:
+    phases = document["legs"]
+    if not isinstance(phases, list) or not phases:
         raise ScenarioError(
             f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
         )
     return tuple(
-        _target(leg, origin, f"[[legs]] no. {index + 1}", notes) for index, leg in enumerate(legs)
+        _target(phase, origin, f"[[legs]] no. {index + 1}", notes)
+        for index, phase in enumerate(phases)
     )
 
 

@@ -8,15 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.problems.scenario import (
-    TIME_KINDS,
-    Control,
-    Horizon,
-    Initial,
-    Objective,
-    Target,
-    Transcription,
-)
+from jaxatt.problems.manoeuvre import InitialState, Target
+from jaxatt.problems.scenario import TIME_KINDS, Control, Horizon, Objective, Transcription
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import read_final_time
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES
@@ -108,7 +101,7 @@ def read_separate_torques(data: Any, origin: str, vehicle: Spacecraft | None) ->
     return Control("wheels", math.inf, "none")
 
 
-def check_storable(origin: str, vehicle: Spacecraft, initial: Initial, target: Target) -> None:
+def check_storable(origin: str, vehicle: Spacecraft, initial: InitialState, target: Target) -> None:
     """Refuse speed limits of wheels that cannot hold the momentum that is left at the target.
 
     Without external torques the total momentum stays as it is in the inertial frame, and with the

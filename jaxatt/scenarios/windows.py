@@ -5,14 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
-from jaxatt.problems.scenario import Horizon, Scenario, Window
+from jaxatt.problems.hands_off.windows import interval_mask
+from jaxatt.problems.scenario import Horizon, Window
 from jaxatt.scenarios.fields import ScenarioError, Table
 from jaxatt.scenarios.free_time import refuse_seconds
 from jaxatt.scenarios.schema import SPACECRAFT_TABLES
-from jaxatt.spacecraft.checks import Float64
 
 # A time on the edge of the horizon must not be refused for the rounding of its last digit.
 _TIME_TOLERANCE = 1e-9
@@ -39,7 +36,7 @@ def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]
             table.fail("weight", "given for a forbidden window", "drop weight or forbidden")
         weight = 1.0 if forbidden else table.number("weight", 0.001, at_least=0.0)
         windows.append(Window(first, last, weight, forbidden))
-    blocked = _mask(tuple(w for w in windows if w.forbidden), horizon.intervals)
+    blocked = interval_mask(tuple(w for w in windows if w.forbidden), horizon.intervals)
     if blocked.all():
         raise ScenarioError(
             f"{origin}: [[windows]] forbid torque in all {horizon.intervals} intervals; "
@@ -89,35 +86,3 @@ def _range_by_time(table: Table, horizon: Horizon) -> tuple[int, int]:
     last_index = horizon.intervals - 1
     first = min(nearest_whole(start / horizon.step), last_index)
     return first, min(nearest_whole(end / horizon.step), last_index)
-
-
-def _mask(windows: tuple[Window, ...], intervals: int) -> npt.NDArray[np.bool_]:
-    mask = np.zeros(intervals, dtype=np.bool_)
-    for window in windows:
-        mask[window.first : window.last + 1] = True
-    return mask
-
-
-def window_weights(scenario: Scenario) -> Float64:
-    """Return the cost of each active interval in moving L0, (N,): h_N of Schaanning (2021), 5.5.
-
-    It is 1 outside the windows; where windows overlap, the later one in the file counts. L0 and
-    L1 do not use it.
-    """
-    weights = np.ones(scenario.horizon.intervals)
-    for window in scenario.windows:
-        if not window.forbidden:
-            weights[window.first : window.last + 1] = window.weight
-    return weights
-
-
-def window_mask(scenario: Scenario) -> npt.NDArray[np.bool_]:
-    """Return which intervals lie in a window that is not forbidden, (N,)."""
-    allowed = tuple(window for window in scenario.windows if not window.forbidden)
-    return _mask(allowed, scenario.horizon.intervals)
-
-
-def forbidden_mask(scenario: Scenario) -> npt.NDArray[np.bool_]:
-    """Return which intervals no objective may use, (N,)."""
-    forbidden = tuple(window for window in scenario.windows if window.forbidden)
-    return _mask(forbidden, scenario.horizon.intervals)

@@ -1,4 +1,4 @@
-"""The PD law flown through all legs of a scenario, judged like an optimised answer."""
+"""The PD law flown through all phases of a scenario, judged like an optimised answer."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import numpy as np
 from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.manoeuvre import Departure
+from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
-from jaxatt.report.result import Flags
+from jaxatt.runtime.arrays import Flags
 
 
 @dataclass(frozen=True, eq=False)
 class FlownPD:
-    """One leg under the PD law.
+    """One phase under the PD law.
 
     active : (N,), intervals whose mean body torque is above the threshold of 1e-6 N m.
-    errors : name -> number, as in `jaxatt.report.result.Leg`.
+    errors : name -> number, as in `jaxatt.report.result.Phase`.
     effort : L1 effort of the mean body torques [N m s].  cost : the printed cost.
     """
 
@@ -32,15 +32,15 @@ class FlownPD:
     reached: bool
 
 
-def fly_pd_legs(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]:
-    """Fly the PD law (5.8) of Schaanning (2021) on every leg; the next starts where one ended.
+def fly_pd_phases(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]:
+    """Fly the PD law (5.8) of Schaanning (2021) on every phase; the next starts where one ended.
 
     clipped : whether each wheel's torque is held within its limit.
     """
-    legs: list[FlownPD] = []
-    departure: Departure | None = None
+    phases: list[FlownPD] = []
+    initial_state: InitialState | None = None
     for index in range(len(scenario.targets)):
-        task = build_task(scenario, index, departure)
+        task = build_task(scenario, index, initial_state)
         if isinstance(task, SlewTask):
             task = task.ignoring_path_limits()  # which the law does not know of
         if not isinstance(task, SlewTask):
@@ -49,14 +49,14 @@ def fly_pd_legs(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]
             )
         flown = fly_pd(task, clipped)
         end = task.intervals
-        departure = Departure(
+        initial_state = InitialState(
             *(np.asarray(part[end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
         )
         controls = flown_controls(task, flown)[None]
         body = np.concatenate([task.body_torque(controls), task.thrust(controls)], axis=-1)
         batch = jax.tree.map(lambda leaf: leaf[None], flown)
         verdict, cost = task.judge(batch, controls), task.cost(batch, controls)
-        legs.append(
+        phases.append(
             FlownPD(
                 active=(np.abs(body[0]) > task.threshold).any(axis=1),
                 errors={name: float(error[0]) for name, error in verdict.errors.items()},
@@ -67,4 +67,4 @@ def fly_pd_legs(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]
                 ),
             )
         )
-    return tuple(legs)
+    return tuple(phases)

@@ -25,7 +25,7 @@ from jaxatt.report.summary import summary, write_json
 from jaxatt.report.tables import comparison_table
 from jaxatt.report.wording import OBJECTIVES
 from jaxatt.runtime.chunks import Report
-from jaxatt.studies.baseline import FlownPD, fly_pd_legs
+from jaxatt.studies.baseline import FlownPD, fly_pd_phases
 from jaxatt.studies.relative_sparsity import attainable
 from jaxatt.studies.time_comparison import TimeComparison, compare_times
 
@@ -42,7 +42,8 @@ class Printed:
 
 @dataclass(frozen=True)
 class Row:
-    """One controller; with several legs counts are added up and errors are those of the worst leg.
+    """One controller; with several phases counts are added up and errors are those of the worst
+    phase.
 
     weighted_active_intervals : sum of h_k over the active intervals, by the scenario's windows,
     whether or not the controller knew of them.  relative_sparsity_percent : active intervals out of
@@ -162,14 +163,14 @@ def compare(
     }
     rows: list[Row] = []
     if scenario.vehicle is not None and scenario.vehicle.thrusters.count:
-        rows = [_pd_row("PD, Schmitt", scenario, fly_pd_legs(scenario))]
+        rows = [_pd_row("PD, Schmitt", scenario, fly_pd_phases(scenario))]
         for kind, result in results.items():
             rows += [_row(scenario, kind, result), *_valve_rows(scenario, kind, result)]
         return Comparison(scenario, tuple(rows), results, _findings(scenario, report))
     if scenario.vehicle is not None:
         rows = [
-            _pd_row("PD, clipped", scenario, fly_pd_legs(scenario)),
-            _pd_row("PD, unclipped", scenario, fly_pd_legs(scenario, clipped=False)),
+            _pd_row("PD, clipped", scenario, fly_pd_phases(scenario)),
+            _pd_row("PD, unclipped", scenario, fly_pd_phases(scenario, clipped=False)),
         ]
     rows += [_row(scenario, kind, result) for kind, result in results.items()]
     return Comparison(scenario, tuple(rows), results)
@@ -193,7 +194,7 @@ def _named(report: Report | None, kind: str) -> Report | None:
 
 
 def _counts(scenario: scenarios.Scenario, active: Sequence[Any]) -> dict[str, Any]:
-    """Counts of the active intervals of all legs, each (N,)."""
+    """Counts of the active intervals of all phases, each (N,)."""
     joined = np.concatenate(active)
     weights = np.tile(scenarios.window_weights(scenario), len(active))
     window = np.tile(scenarios.window_mask(scenario), len(active))
@@ -211,7 +212,7 @@ def _row(scenario: scenarios.Scenario, kind: str, result: Result) -> Row:
     return Row(
         controller=OBJECTIVES[kind],
         reached=result.reached,
-        **_counts(scenario, [leg.active for leg in result.legs]),
+        **_counts(scenario, [phase.active for phase in result.phases]),
         attitude_error_deg=numbers["attitude_error_deg"],
         rate_error_rad_s=numbers["rate_error_rad_s"],
         waypoint_error_deg=numbers["waypoint_error_deg"],
@@ -235,14 +236,14 @@ def _optimised_in(scenario: scenarios.Scenario) -> str:
 
 def _valve_rows(scenario: scenarios.Scenario, kind: str, result: Result) -> list[Row]:
     """The answer after quantisation, both ways."""
-    if any(leg.quantised == () for leg in result.legs):
+    if any(phase.quantised == () for phase in result.phases):
         return []
     vehicle, relaxed, rows = scenario.vehicle, _row(scenario, kind, result), []
     assert vehicle is not None
     pushes = np.abs(np.asarray(vehicle.thrusters.distribution)).sum(axis=0)
     impulse = np.asarray(vehicle.thrusters.torque_limit) * pushes
-    for number, mode in enumerate(v.mode for v in result.legs[0].quantised):
-        valves = [leg.quantised[number] for leg in result.legs]
+    for number, mode in enumerate(v.mode for v in result.phases[0].quantised):
+        valves = [phase.quantised[number] for phase in result.phases]
         rows.append(
             replace(
                 relaxed,
@@ -283,20 +284,20 @@ def _findings(scenario: scenarios.Scenario, report: Report | None) -> tuple[str,
     return (f"Printed, {percent:g} %, rest to rest: {found.sentence()}",)
 
 
-def _pd_row(name: str, scenario: scenarios.Scenario, legs: Sequence[FlownPD]) -> Row:
+def _pd_row(name: str, scenario: scenarios.Scenario, phases: Sequence[FlownPD]) -> Row:
     return Row(
         controller=name,
-        reached=all(leg.reached for leg in legs),
-        **_counts(scenario, [leg.active for leg in legs]),
-        attitude_error_deg=math.degrees(max(leg.errors["attitude"] for leg in legs)),
-        rate_error_rad_s=max(leg.errors["rate"] for leg in legs),
+        reached=all(phase.reached for phase in phases),
+        **_counts(scenario, [phase.active for phase in phases]),
+        attitude_error_deg=math.degrees(max(phase.errors["attitude"] for phase in phases)),
+        rate_error_rad_s=max(phase.errors["rate"] for phase in phases),
         waypoint_error_deg=None
         if scenario.waypoint is None
-        else math.degrees(max(leg.errors["waypoint"] for leg in legs)),
+        else math.degrees(max(phase.errors["waypoint"] for phase in phases)),
         state_error=None,
-        final_time_s=scenario.horizon.duration * len(legs),
-        l1_effort_Nms=sum(leg.effort for leg in legs),
-        objective_total=sum(leg.cost for leg in legs),
+        final_time_s=scenario.horizon.duration * len(phases),
+        l1_effort_Nms=sum(phase.effort for phase in phases),
+        objective_total=sum(phase.cost for phase in phases),
         starts_reached=None,
         starts=None,
         time_s=None,

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.vehicle import Spacecraft
 
 _PARALLEL = 1e-9

@@ -22,8 +22,8 @@ from jaxatt.report.figure import Picture, colour, picture, tidy
 from jaxatt.report.figure import save as save_figure
 from jaxatt.report.files import filling
 from jaxatt.report.rendering import as_text
-from jaxatt.report.result import Floats
 from jaxatt.report.summary import write_json
+from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.bundled import text
 from jaxatt.scenarios.documents import parse
 from jaxatt.scenarios.fields import Table

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.vehicle import Spacecraft
 
 _MANY = 12

@@ -17,7 +17,7 @@ import numpy as np
 from jaxatt import scenarios
 from jaxatt.attitude import errors
 from jaxatt.problems.hands_off.build import build_task
-from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bursts, try_bursts
+from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bursts, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import join
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.polish import Method
@@ -179,7 +179,7 @@ def attainable(
     assert isinstance(task, SlewTask)
     progress = None if report is None else lambda done: report("trying bursts at both ends", done)
     method = Method("l0", progress=progress)
-    tried = join(try_bursts(task, size, method), nearest_bursts(task, size, method))
+    tried = join(try_bang_off_bang(task, size, method), nearest_bursts(task, size, method))
     nearest = int(tried.order(True)[0])
     return Attainable(
         size,
@@ -206,7 +206,7 @@ def _with_thrusters(scenario: scenarios.Scenario | str | Path) -> scenarios.Scen
 
 def _slew(task: SlewTask) -> tuple[Any, np.ndarray, float]:
     """Vehicle, turn [rad] and duration [s] of a task, for the impulse balance."""
-    turn = np.asarray(errors.rotation_vector(task.start.q_ob, task.aim.q_ob))
+    turn = np.asarray(errors.rotation_vector(task.start.q_ob, task.target.q_ob))
     return task.craft, turn, task.intervals * task.step
 
 

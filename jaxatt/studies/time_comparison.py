@@ -170,18 +170,18 @@ def _named(report: Report, name: str) -> Report:
 
 
 def _row(result: Result) -> TimeRow:
-    numbers, leg = summary(result), result.legs[0]
-    optimum = leg.time_optimum
+    numbers, phase = summary(result), result.phases[0]
+    optimum = phase.time_optimum
     assert optimum is not None
     return TimeRow(
         angle_rad=turn_angle(result.scenario),
         integration=optimum.integration,
         reached=result.reached,
-        final_time_s=leg.final_time,
-        step_s=leg.step,
+        final_time_s=phase.final_time,
+        step_s=phase.step,
         cost_s=optimum.cost,
-        control_effort=leg.control_effort,
-        attitude_error_deg=math.degrees(leg.errors["attitude"]),
+        control_effort=phase.control_effort,
+        attitude_error_deg=math.degrees(phase.errors["attitude"]),
         starts=numbers["starts"]["requested"],
         share_at_best=optimum.share,
         minima=optimum.minima,

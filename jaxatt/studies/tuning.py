@@ -13,7 +13,7 @@ import numpy as np
 from jax import Array
 
 from jaxatt.control.feedback import FeedbackLaw
-from jaxatt.report.result import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.flight_build import build_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Start

@@ -11,7 +11,7 @@ import numpy as np
 
 from jaxatt.control.eigenaxis import Eigenaxis
 from jaxatt.control.latched_min_norm import LatchedMinNorm
-from jaxatt.report.result import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.flight_build import build_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import fly_laws

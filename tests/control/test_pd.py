@@ -9,7 +9,7 @@ from references import wheeled_body
 from jaxatt import scenarios
 from jaxatt.control.pd import PDLaw
 from jaxatt.environment.table import tabulate
-from jaxatt.problems.hands_off.build import surroundings_of
+from jaxatt.problems.surroundings import surroundings_of
 from jaxatt.simulation.flight import fly, fly_torque
 from jaxatt.spacecraft.dynamics import at_relative_rate
 

@@ -9,7 +9,7 @@ import pytest
 import scipy.optimize
 
 from jaxatt.optimize.interior_point.solver import InteriorSettings, advance, begin, solve_interior
-from jaxatt.optimize.optimal_control import StagedProgram, bending, slopes
+from jaxatt.optimize.optimal_control import OptimalControlProgram, lagrangian_hessian, linearisation
 from jaxatt.optimize.status import Status
 
 INTERVALS = 20
@@ -23,7 +23,7 @@ def double_integrator(limited_rate=False, free_time=True):
         h = jnp.exp(x[2])
         return jnp.stack([x[0] + h * x[1] + 0.5 * h * h * u[0], x[1] + h * u[0], x[2]])
 
-    return StagedProgram(
+    return OptimalControlProgram(
         start=lambda args: jnp.stack([jnp.zeros(()), jnp.zeros(()), jnp.log(args[4])]),
         stages=lambda args: jnp.zeros(INTERVALS),
         dynamics=dynamics,
@@ -42,10 +42,10 @@ def double_integrator(limited_rate=False, free_time=True):
 
 
 @functools.partial(jax.jit, static_argnames=("program",))
-def solved(program, u, args, finish_from=1e-3):
+def solved(program, u, args, crossover_from=1e-3):
     def one(u, args):
         x = jnp.broadcast_to(program.start(args), (INTERVALS + 1, 3))
-        return solve_interior(program, u, x, args, InteriorSettings(finish_from=finish_from))
+        return solve_interior(program, u, x, args, InteriorSettings(crossover_from=crossover_from))
 
     return jax.vmap(one)(u, args)
 
@@ -152,7 +152,7 @@ def test_converged_is_true_of_the_point_returned(seed):
         costate = np.array([*np.asarray(found.rows)[lane], 0.0])
         worst = 0.0
         for k in range(INTERVALS - 1, -1, -1):
-            at = slopes(program, x[k], u[k], x[k + 1], jnp.zeros(()), own)
+            at = linearisation(program, x[k], u[k], x[k + 1], jnp.zeros(()), own)
             assert np.abs(np.asarray(at.gap)).max() < 1e-7
             gradient = np.asarray(at.cost) + np.asarray(at.dynamics).T @ costate
             dual = np.asarray(found.dual.upper)[lane, k] - np.asarray(found.dual.lower)[lane, k]
@@ -171,7 +171,7 @@ def test_derivatives_of_a_stage_are_those_of_finite_differences():
         gap = program.dynamics(x + z[:3], u + z[3:], 0.0, args) - x
         return program.cost(x + z[:3], u + z[3:], 0.0, args, 0.0) + costate @ gap
 
-    own = bending(program, x, u, x, jnp.zeros(()), args, costate)
+    own = lagrangian_hessian(program, x, u, x, jnp.zeros(()), args, costate)
     eye = 1e-4 * np.eye(4)
     for i in range(4):
         for j in range(4):
@@ -181,7 +181,9 @@ def test_derivatives_of_a_stage_are_those_of_finite_differences():
 
 
 def test_a_limit_without_force_does_not_slow_the_end():
-    """Pairs that are nearly zero on both sides only halve under a barrier; the finish ends them."""
+    """Pairs that are nearly zero on both sides only halve under a barrier; the crossover ends
+    them.
+    """
     rng = np.random.default_rng(11)
     distance, force = rng.uniform(0.5, 5.0, 16), rng.uniform(0.2, 3.0, 16)
     # The unlimited optimum falls linearly from 1 / sqrt(fuel): in the first interval to the limit.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from jaxatt.optimize.optimal_control import StagedProgram, fly, least_squares
+from jaxatt.optimize.optimal_control import OptimalControlProgram, fly, least_squares
 from jaxatt.optimize.riccati.recursion import (
     StageModel,
     Trajectory,
@@ -106,7 +106,7 @@ def test_whole_step_solves_a_linear_quadratic_problem_at_once():
     n, b, stages = 3, 1, 12
     a, g = system(rng, n, b)
     cost, curvature = least_squares(lambda x, u, k, p: jnp.concatenate([x, u]), n)
-    program = StagedProgram(
+    program = OptimalControlProgram(
         start=lambda p: jnp.ones(n),
         stages=lambda p: jnp.zeros(stages),
         dynamics=lambda x, u, k, p: jnp.asarray(a) @ x + jnp.asarray(g) @ u,

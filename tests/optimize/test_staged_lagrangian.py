@@ -10,7 +10,7 @@ import pytest
 import scipy.optimize
 
 from jaxatt.optimize.augmented_lagrangian.solver import Schedule
-from jaxatt.optimize.optimal_control import StagedProgram, fly, least_squares
+from jaxatt.optimize.optimal_control import OptimalControlProgram, fly, least_squares
 from jaxatt.optimize.riccati.lagrangian import solve_stages
 from jaxatt.optimize.status import Status
 
@@ -41,7 +41,7 @@ def pendulum(x, u, stage, args):
 def program(dynamics):
     """Drive two states to args[:2] with |u| <= args[2] and x[1] <= args[3]."""
     cost, curvature = least_squares(residual, 2)
-    return StagedProgram(
+    return OptimalControlProgram(
         start=lambda args: jnp.zeros(2),
         stages=lambda args: jnp.zeros(STAGES),
         dynamics=dynamics,

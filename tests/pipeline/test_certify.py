@@ -32,10 +32,10 @@ def moving():
 
 
 def test_two_intervals_are_the_fewest_and_the_pairs_are_those_known(certificate):
-    (leg,) = certificate.legs
-    assert certificate.minimal and leg.found.active_intervals == 2
-    assert [record.kind.number for record in leg.cheaper] == [1, 50]
-    (pairs,) = leg.equal
+    (phase,) = certificate.phases
+    assert certificate.minimal and phase.found.active_intervals == 2
+    assert [record.kind.number for record in phase.cheaper] == [1, 50]
+    (pairs,) = phase.equal
     assert pairs.kind.number == 1225
     # An independent experiment found these 666, all at least 14 intervals apart.
     assert pairs.short.reached.sum() == 666
@@ -45,15 +45,15 @@ def test_two_intervals_are_the_fewest_and_the_pairs_are_those_known(certificate)
 
 
 def test_the_best_pair_is_the_one_of_least_effort_and_the_answer_has_it(certificate):
-    (leg,) = certificate.legs
-    np.testing.assert_array_equal(leg.best[:, 0], [0, 49])
-    np.testing.assert_allclose(leg.best_effort, leg.found.effort, rtol=1e-5)
+    (phase,) = certificate.phases
+    np.testing.assert_array_equal(phase.best[:, 0], [0, 49])
+    np.testing.assert_allclose(phase.best_effort, phase.found.effort, rtol=1e-5)
     assert "intervals 0, 49" in " ".join(certificate.sentences())
 
 
 def test_pairs_said_to_reach_do_so_in_flight_and_others_do_not(certificate):
-    (leg,) = certificate.legs
-    pairs = leg.equal[0].short
+    (phase,) = certificate.phases
+    pairs = phase.equal[0].short
     task = build_task(certificate.result.scenario)
     rng = np.random.default_rng(0)
     for reached in (True, False):
@@ -72,9 +72,9 @@ def test_files_can_be_read_again(certificate, tmp_path):
     }
     numbers = json.loads((tmp_path / "out" / "certificate.json").read_text())
     assert numbers["minimal"] is True
-    (leg,) = numbers["legs"]
-    assert leg["best_support"] == [0, 49]
-    assert [c["reach_short_way"] for c in leg["classes"]] == [0, 0, 666]
+    (phase,) = numbers["legs"]
+    assert phase["best_support"] == [0, 49]
+    assert [c["reach_short_way"] for c in phase["classes"]] == [0, 0, 666]
     stored = xarray.load_dataset(tmp_path / "out" / "certificate.nc", engine="h5netcdf")
     pairs = (stored.way_round == 1) & (stored.weighted_cost == 2)
     short = stored.isel(support=np.flatnonzero(pairs))
@@ -84,20 +84,20 @@ def test_files_can_be_read_again(certificate, tmp_path):
 
 
 def test_moving_hands_off_is_measured_by_weight(moving):
-    (leg,) = moving.legs
+    (phase,) = moving.phases
     assert moving.minimal
-    np.testing.assert_allclose(leg.found_cost, 0.004)
+    np.testing.assert_allclose(phase.found_cost, 0.004)
     # Eleven cheap intervals: none, one, two or three of them cost less than four.
-    assert [record.kind.number for record in leg.cheaper] == [1, 11, 55, 165]
-    assert [record.kind.number for record in leg.equal] == [330]
-    assert leg.equal[0].reached.any()
+    assert [record.kind.number for record in phase.cheaper] == [1, 11, 55, 165]
+    assert [record.kind.number for record in phase.equal] == [330]
+    assert phase.equal[0].reached.any()
 
 
 def test_what_is_out_of_reach_is_said_with_its_cost():
     few = jaxatt.certify("hypso1-90-45-15", starts=8, most=60)
-    (leg,) = few.legs
+    (phase,) = few.phases
     assert few.minimal  # 51 cheaper supports are within the limit
-    assert not leg.equal[0].tried and leg.best is None
+    assert not phase.equal[0].tried and phase.best is None
     assert "Not tried: the 1225 supports of 2" in " ".join(few.sentences())
     fewer = jaxatt.certify("hypso1-90-45-15", starts=8, most=10)
     assert not fewer.minimal

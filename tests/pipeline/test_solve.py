@@ -24,7 +24,7 @@ def turn(angle, axis):
 def solve_and_refly(scenario, **settings):
     """Solve, and insist that SciPy's flight of the answer agrees that it arrives."""
     result = jaxatt.solve(scenario, **settings)
-    assert result.reached, result.legs[0].obstacle
+    assert result.reached, result.phases[0].failure_reason
     reflight.assert_reached(scenario, result)
     return result
 
@@ -75,21 +75,21 @@ def usual():
 
 def test_a_result_is_reproduced_by_its_seed(usual):
     again = jaxatt.solve(changed({}))
-    np.testing.assert_array_equal(again.legs[0].controls, usual.legs[0].controls)
+    np.testing.assert_array_equal(again.phases[0].controls, usual.phases[0].controls)
     assert usual.active_intervals == 2
 
 
 def test_a_users_guess_near_the_answer_keeps_it(usual):
-    result = solve_and_refly(changed({"solver.starts": 4}), guess=usual.legs[0].controls)
+    result = solve_and_refly(changed({"solver.starts": 4}), guess=usual.phases[0].controls)
     assert result.active_intervals == 2
-    assert result.legs[0].effort <= usual.legs[0].effort * (1 + 1e-6)
+    assert result.phases[0].effort <= usual.phases[0].effort * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("guess", ["pd", "l1"])
 def test_guesses_by_name(guess, usual):
     result = solve_and_refly(changed({}), guess=guess)
     assert result.active_intervals == 2
-    np.testing.assert_allclose(result.legs[0].effort, usual.legs[0].effort, rtol=1e-3)
+    np.testing.assert_allclose(result.phases[0].effort, usual.phases[0].effort, rtol=1e-3)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -123,7 +123,7 @@ def test_a_hair_away():
     )
     result = solve_and_refly(scenario)
     assert result.active_intervals == 2
-    assert result.legs[0].effort < 1e-4
+    assert result.phases[0].effort < 1e-4
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.005])
@@ -137,12 +137,12 @@ def test_nothing_to_do_is_done_with_no_torque(angle):
     )
     result = solve_and_refly_loosely(scenario)
     assert result.active_intervals == 0
-    assert not result.legs[0].controls.any()
+    assert not result.phases[0].controls.any()
 
 
 def solve_and_refly_loosely(scenario):
     result = jaxatt.solve(scenario)
-    assert result.reached, result.legs[0].obstacle
+    assert result.reached, result.phases[0].failure_reason
     reflight.assert_reached(scenario, result, attitude_deg=0.5)
     return result
 
@@ -163,18 +163,18 @@ def test_momentum_that_makes_the_long_way_cheaper_is_used(target, rate):
     result = solve_and_refly(scenario)
     assert result.active_intervals <= 2
     on, back = rate, rate + 2 * abs(target) / 68.6
-    assert result.legs[0].effort < 0.0775 * np.deg2rad(on + back) / 2
+    assert result.phases[0].effort < 0.0775 * np.deg2rad(on + back) / 2
 
 
 def test_a_torque_limit_too_small_is_said_to_be_in_the_way():
     result = jaxatt.solve(changed({"vehicle.wheels.torque_limit_Nm": 1e-6, "solver.starts": 4}))
     assert not result.reached
     assert result.status == "not reached"
-    leg = result.legs[0]
-    assert "attitude" in leg.obstacle and "missed by" in leg.obstacle
-    assert not (leg.starts.status == Status.CONVERGED).any()
-    assert not leg.starts.reached.any()
-    assert leg.limit_violation <= 1e-9
+    phase = result.phases[0]
+    assert "attitude" in phase.failure_reason and "missed by" in phase.failure_reason
+    assert not (phase.starts.status == Status.CONVERGED).any()
+    assert not phase.starts.reached.any()
+    assert phase.limit_violation <= 1e-9
 
 
 def test_wheel_speed_limits_hold_in_flight():
@@ -190,16 +190,16 @@ def test_wheel_speed_limits_hold_in_flight():
             }
         )
     )
-    flown = np.abs(result.legs[0].series["omega_bw"][:51]).max()
+    flown = np.abs(result.phases[0].series["omega_bw"][:51]).max()
     assert 0.9 * limit < flown <= limit * (1 + 1e-6)
-    assert result.legs[0].margin_violation <= 1e-6
+    assert result.phases[0].margin_violation <= 1e-6
 
 
 def test_a_speed_limit_that_nothing_can_meet_is_said_to_be_in_the_way():
     limited = {"vehicle.wheels.speed_limit_rad_s": 1.0, "solver.starts": 8}
     result = jaxatt.solve(changed(limited))
     assert not result.reached
-    assert result.legs[0].obstacle
+    assert result.phases[0].failure_reason
 
 
 def test_forbidden_windows_stay_empty():
@@ -208,10 +208,10 @@ def test_forbidden_windows_stay_empty():
         {"first_interval": 40, "last_interval": 49, "forbidden": True},
     ]
     result = solve_and_refly(changed({"windows": windows}))
-    active = np.flatnonzero(result.legs[0].active)
+    active = np.flatnonzero(result.phases[0].active)
     assert len(active) == 2
     assert active.min() >= 10 and active.max() <= 39
-    assert not result.legs[0].controls[:10].any() and not result.legs[0].controls[40:].any()
+    assert not result.phases[0].controls[:10].any() and not result.phases[0].controls[40:].any()
 
 
 def test_three_wheels_are_enough():
@@ -225,7 +225,7 @@ def test_three_wheels_are_enough():
         )
     )
     assert result.active_intervals == 2
-    assert result.legs[0].series["omega_bw"].shape == (71, 3)
+    assert result.phases[0].series["omega_bw"].shape == (71, 3)
 
 
 def test_spinning_wheels_and_a_turning_body():
@@ -244,19 +244,19 @@ def test_spinning_wheels_and_a_turning_body():
 
 def test_wheel_axes_find_as_few_intervals(usual):
     result = solve_and_refly(changed({"control.axes": "wheels"}))
-    assert result.legs[0].controls.shape == (50, 4)
+    assert result.phases[0].controls.shape == (50, 4)
     assert result.active_intervals == 2
-    np.testing.assert_allclose(result.legs[0].effort, usual.legs[0].effort, rtol=1e-3)
+    np.testing.assert_allclose(result.phases[0].effort, usual.phases[0].effort, rtol=1e-3)
 
 
 def test_record_of_the_starts(usual):
-    record = usual.legs[0].starts
+    record = usual.phases[0].starts
     assert len(record.status) == STARTS
     assert record.reached.sum() >= STARTS // 2
     # Whoever arrived by flight has errors within tolerance, and the others have not.
     np.testing.assert_array_equal(record.shortfall <= 1.0, record.reached)
-    leg = usual.legs[0]
-    assert leg.errors["attitude"] <= leg.tolerances["attitude"]
-    np.testing.assert_allclose(leg.effort, np.abs(leg.controls).sum() * leg.step)
+    phase = usual.phases[0]
+    assert phase.errors["attitude"] <= phase.tolerances["attitude"]
+    np.testing.assert_allclose(phase.effort, np.abs(phase.controls).sum() * phase.step)
     assert set(usual.time) == {"compile", "solve", "verify"}
     assert min(usual.time.values()) >= 0.0

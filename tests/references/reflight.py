@@ -30,20 +30,20 @@ def space_of(scenario):
 
 
 def refly(scenario, result, pieces=1):
-    """Flights of all legs, each from the end that this reference flew of the one before.
+    """Flights of all phases, each from the end that this reference flew of the one before.
 
     pieces : samples an interval.
     """
     initial = scenario.initial
     state = (initial.q_ob, initial.omega_ob, initial.omega_bw)
     flights = []
-    for leg in result.legs:
-        controls = leg.controls
+    for phase in result.phases:
+        controls = phase.controls
         if scenario.control.axes == "body":
             controls = controls @ np.linalg.pinv(np.asarray(scenario.vehicle.wheels.axes)).T
-        cut, step = np.repeat(controls, pieces, axis=0), leg.step / pieces
+        cut, step = np.repeat(controls, pieces, axis=0), phase.step / pieces
         flight = wheeled_body.fly(
-            body_of(scenario), space_of(scenario), *state, cut, step, leg.start_time
+            body_of(scenario), space_of(scenario), *state, cut, step, phase.start_time
         )
         state = (flight.q[-1], flight.relative[-1], flight.speeds[-1])
         flights.append((controls, flight))
@@ -62,7 +62,9 @@ def cone_angle(flight, boresight, direction):
 
 
 def assert_reached(scenario, result, attitude_deg=0.01, rate=1e-5, waypoint_deg=0.1):
-    """Every leg ends at its target within these errors and within all limits, by SciPy's flight."""
+    """Every phase ends at its target within these errors and within all limits, by SciPy's
+    flight.
+    """
     wheels = scenario.vehicle.wheels
     flights = refly(scenario, result)
     for target, (torque, flight) in zip(scenario.targets, flights, strict=True):

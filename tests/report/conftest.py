@@ -6,7 +6,7 @@ import pytest
 
 @pytest.fixture(scope="session")
 def make():
-    """Function (scenario's name, changes of every leg) -> result."""
+    """Function (scenario's name, changes of every phase) -> result."""
     return handmade_results.handmade
 
 

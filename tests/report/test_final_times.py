@@ -28,9 +28,9 @@ TRIED = FinalTimes(
 
 @pytest.fixture
 def timed(make):
-    """Two legs with steps of their own, one with fewer trials than the other."""
+    """Two phases with steps of their own, one with fewer trials than the other."""
     result = make("hypso1-path-two")
-    first, second = result.legs
+    first, second = result.phases
     fewer = {
         field: getattr(TRIED, field)[:2]
         for field in ("final_time", "costs", "active_intervals", "reached", "how")
@@ -59,7 +59,7 @@ def test_the_trials_are_listed_by_leg(timed, tmp_path):
     found = json.loads((tmp_path / "summary.json").read_text())
     assert found["final_time_s"] == pytest.approx(114.0)
     assert found["step_s"] is None
-    assert [leg["final_time_s"] for leg in found["legs"]] == [64.0, 50.0]
+    assert [phase["final_time_s"] for phase in found["legs"]] == [64.0, 50.0]
     tried = found["legs"][0]["final_times"]
     assert (tried["time_weight_1_s"], tried["cost"]) == (0.1, 9.4)
     assert tried["tried"][2] == {

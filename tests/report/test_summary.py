@@ -1,4 +1,4 @@
-"""summary.json: stable names, sums over legs, nothing that JSON cannot hold."""
+"""summary.json: stable names, sums over phases, nothing that JSON cannot hold."""
 
 import json
 import math
@@ -63,7 +63,7 @@ def test_several_legs_are_added_up_and_listed(make):
     assert found["objective"]["total"] == pytest.approx(46.0)
     assert found["attitude_error_deg"] == pytest.approx(0.005)
     assert found["starts"]["requested"] == 12
-    assert [leg["leg"] for leg in found["legs"]] == [1, 2]
+    assert [phase["leg"] for phase in found["legs"]] == [1, 2]
     assert found["legs"][1]["active_interval_indices"] == [0, 20, 49]
     assert not {"time_s", "versions"} & set(found["legs"][0])
 

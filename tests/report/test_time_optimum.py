@@ -101,7 +101,7 @@ def test_the_table_says_time_switches_and_the_transcriptions_error(turn):
     ):
         assert words in text
     assert "active intervals" not in text
-    assert "24.5 s" in repr(turn) and "24.5 s" in repr(turn.legs[0])
+    assert "24.5 s" in repr(turn) and "24.5 s" in repr(turn.phases[0])
 
 
 def test_figures_show_mrp_and_dotted_switches(turn, tmp_path):
@@ -119,10 +119,10 @@ def test_figures_show_mrp_and_dotted_switches(turn, tmp_path):
 def test_the_mrp_line_stays_within_the_unit_sphere_and_breaks_where_sets_change(turn):
     half = np.linspace(0.0, math.pi, 36) * 0.9  # turns by up to 324 deg
     q = np.stack([np.cos(half), np.sin(half), 0 * half, 0 * half], axis=1)
-    leg = turn.legs[0]
-    series = {**leg.series, "q_ob": q}
+    phase = turn.phases[0]
+    series = {**phase.series, "q_ob": q}
     changed = handmade_results.assemble(
-        turn.scenario, handmade_results.dataclasses.replace(leg, series=series)
+        turn.scenario, handmade_results.dataclasses.replace(phase, series=series)
     )
     axes = picture(4, 3).subplots()
     time_panels.modified_rodrigues(axes, changed)
@@ -133,7 +133,7 @@ def test_the_mrp_line_stays_within_the_unit_sphere_and_breaks_where_sets_change(
 
 def test_starts_that_ended_nowhere_are_left_out_of_the_cost_panel(turn):
     axes = picture(4, 3).subplots()
-    time_panels.costs_panel(axes, turn.legs[0])
+    time_panels.costs_panel(axes, turn.phases[0])
     assert axes.get_ylabel() == "cost [s]"
     marked = np.concatenate([np.asarray(c.get_offsets())[:, 1] for c in axes.collections])
     assert len(marked) == 6 and np.isnan(marked).sum() == 1

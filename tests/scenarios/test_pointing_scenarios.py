@@ -59,7 +59,7 @@ def test_directions_follow_the_orbit_and_the_sun():
         {**CONE, "name": "star", "direction_inertial": [1.0, 1.0, 0.0], "half_angle_deg": 1.0},
     ]
     task = build_task(changed(keep_out=cones))
-    seen, q = task.lookout.directions, np.asarray(task.lookout.fine.nodes.orbit_attitude)
+    seen, q = task.path_monitor.directions, np.asarray(task.path_monitor.fine.nodes.orbit_attitude)
     assert seen.shape == (70 * 20 + 1, 3, 3)
     turned = Rotation.from_quat(q[:, [1, 2, 3, 0]]).apply(np.array([1.0, 2.0, 3.0]) / np.sqrt(14))
     np.testing.assert_allclose(seen[:, 0], turned, atol=1e-12)

@@ -8,7 +8,7 @@ from references import basilisk_flight, short_flights, wheeled_body
 from jaxatt import simulate
 from jaxatt.attitude import quaternion
 from jaxatt.environment import frames, kepler
-from jaxatt.problems.hands_off.build import elements_of
+from jaxatt.problems.surroundings import elements_of
 
 pytest.importorskip("Basilisk", reason="Basilisk (package bsk) is not installed")
 

@@ -12,7 +12,7 @@ from jaxatt import simulate
 from jaxatt.attitude.components import Vector
 from jaxatt.control.proportional_derivative import ProportionalDerivative
 from jaxatt.environment.table import Surroundings, tabulate
-from jaxatt.problems.hands_off.build import elements_of
+from jaxatt.problems.surroundings import elements_of
 from jaxatt.simulation.campaign import Spread
 from jaxatt.simulation.closed_loop import FLYING, NOT_FINITE, TUMBLING
 from jaxatt.simulation.flight import fly_torque

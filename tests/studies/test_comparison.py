@@ -7,7 +7,7 @@ import pytest
 
 import jaxatt.studies.comparison
 from jaxatt import scenarios
-from jaxatt.studies.baseline import fly_pd_legs
+from jaxatt.studies.baseline import fly_pd_phases
 from jaxatt.studies.comparison import compare
 
 
@@ -58,7 +58,7 @@ def test_a_toy_knows_neither_pd_nor_windows(solved, tmp_path):
 
 
 def test_the_pd_law_starts_a_leg_where_the_last_one_ended():
-    first, second = fly_pd_legs(scenarios.load("hypso1-path-two"))
+    first, second = fly_pd_phases(scenarios.load("hypso1-path-two"))
     assert first.reached and second.reached
     assert second.effort == pytest.approx(first.effort, rel=0.05)
     assert second.active.any()

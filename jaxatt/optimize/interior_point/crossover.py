@@ -22,10 +22,10 @@ from jaxatt.optimize.interior_point.model import Bounded
 
 
 class Pairs(NamedTuple):
-    """stiffness, aim : z after a step is aim - stiffness ds."""
+    """stiffness, target : z after a step is aim - stiffness ds."""
 
     stiffness: Bounded
-    aim: Bounded
+    target: Bounded
 
 
 def barrier_pairs(slack: Bounded, dual: Bounded, barrier: Array) -> Pairs:

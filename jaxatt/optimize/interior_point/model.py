@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.optimize.optimal_control import StagedProgram, bending, slopes
+from jaxatt.optimize.optimal_control import OptimalControlProgram, lagrangian_hessian, linearisation
 
 
 class Nodes(NamedTuple):
@@ -65,7 +65,7 @@ class Model(NamedTuple):
     costate: Array
 
 
-def limits_along(program: StagedProgram, size: int, args: Any) -> tuple[Array, Array]:
+def limits_along(program: OptimalControlProgram, size: int, args: Any) -> tuple[Array, Array]:
     """Lower and upper limits of the controls, (N, b)."""
 
     def at(stage: Any) -> tuple[Array, Array]:
@@ -76,7 +76,7 @@ def limits_along(program: StagedProgram, size: int, args: Any) -> tuple[Array, A
 
 
 def model(
-    program: StagedProgram, nodes: Nodes, rows: Array, path: Array, final: Array, args: Any
+    program: OptimalControlProgram, nodes: Nodes, rows: Array, path: Array, final: Array, args: Any
 ) -> Model:
     """Derivatives of all stages.
 
@@ -102,7 +102,7 @@ def model(
         return program.inequality(program.retract(x, z[:n]), u + z[n:], stage, args)
 
     def first(x: Array, x_next: Array, u: Array, dual: Array, stage: Any) -> Any:
-        found = slopes(program, x, u, x_next, stage, args)
+        found = linearisation(program, x, u, x_next, stage, args)
         margins, slope = inequality(at, x, u, stage), jnp.zeros((0, n + size), dtype)
         by_cost = found.cost
         if margins.shape[0]:
@@ -116,7 +116,7 @@ def model(
         return gradient[:n], (gradient, costate)
 
     def second(x: Array, x_next: Array, u: Array, dual: Array, costate: Array, stage: Any) -> Array:
-        hessian = bending(program, x, u, x_next, stage, args, costate)
+        hessian = lagrangian_hessian(program, x, u, x_next, stage, args, costate)
         if dual.shape[0]:
             hessian = hessian - jax.hessian(lambda z: jnp.sum(dual * inequality(z, x, u, stage)))(
                 at
@@ -157,7 +157,7 @@ class Values(NamedTuple):
     unmet: Array
 
 
-def values(program: StagedProgram, nodes: Nodes, args: Any) -> Values:
+def values(program: OptimalControlProgram, nodes: Nodes, args: Any) -> Values:
     """What a line search looks at, without derivatives."""
 
     def at(x: Array, x_next: Array, u: Array, stage: Any) -> tuple[Array, Array, Array]:

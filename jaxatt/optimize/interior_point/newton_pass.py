@@ -22,7 +22,7 @@ from jaxatt.optimize.interior_point.model import Bounded, Nodes, model, values
 from jaxatt.optimize.interior_point.residuals import Residuals, residuals, unmet
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
-    Finish,
+    Crossover,
     InteriorSettings,
     Limits,
     Place,
@@ -30,7 +30,7 @@ from jaxatt.optimize.interior_point.state import (
     State,
 )
 from jaxatt.optimize.interior_point.step import Step, newton_step
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.status import Status
 
 _SOLVED_TO = 10.0
@@ -47,9 +47,9 @@ _DUAL_RANGE = 1e10
 _STUCK = 1e8
 _TINY = 1e-300
 _NEAR = 0.03
-"""Error of a barrier problem from which the finish is tried."""
-_FINISH = 8
-"""Passes of a finish; one that takes longer has the wrong limits and comes to nothing."""
+"""Error of a barrier problem from which the crossover is tried."""
+_CROSSOVER_PASSES = 8
+"""Passes of a crossover; one that takes longer has the wrong limits and comes to nothing."""
 
 
 class _Search(NamedTuple):
@@ -90,13 +90,17 @@ def _lowered(barrier: Array, found: Residuals, settings: InteriorSettings) -> Ar
 
 
 def advanced(
-    program: StagedProgram, limits: Limits, state: State, args: Any, settings: InteriorSettings
+    program: OptimalControlProgram,
+    limits: Limits,
+    state: State,
+    args: Any,
+    settings: InteriorSettings,
 ) -> State:
     """A start after one more pass.
 
     It judges the point that it is given, and moves on from there unless that was good enough.
     """
-    place, finish = state.place, state.finish
+    place, crossover = state.place, state.crossover
     point = place.point
     slack, dual = limits.slacks(point), point.dual
     dtype = slack.lower.dtype
@@ -109,24 +113,24 @@ def advanced(
     finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
     converged = (violation <= tolerance) & (stationarity <= tolerance) & (far.excess <= tolerance)
 
-    waiting = (finish.left == 0) & (state.barrier <= finish.below) & (state.shift == 0.0)
+    waiting = (crossover.left == 0) & (state.barrier <= crossover.below) & (state.shift == 0.0)
     beginning = waiting & (far.error(state.barrier) <= _NEAR)
-    left = jnp.where(beginning, _FINISH, finish.left)
-    finishing = left > 0
-    barrier = jnp.where(finishing, state.barrier, _lowered(state.barrier, far, settings))
+    left = jnp.where(beginning, _CROSSOVER_PASSES, crossover.left)
+    crossing_over = left > 0
+    barrier = jnp.where(crossing_over, state.barrier, _lowered(state.barrier, far, settings))
     pairs: Pairs = _where(
-        finishing & ~beginning,
-        active_pairs(finish.active, slack, dual, penalty),
+        crossing_over & ~beginning,
+        active_pairs(crossover.active, slack, dual, penalty),
         barrier_pairs(slack, dual, jnp.where(beginning, 0.0, barrier)),
     )
-    shift = jnp.where(finishing, 0.0, state.shift)
+    shift = jnp.where(crossing_over, 0.0, state.shift)
     step = newton_step(found, slack, dual, pairs, penalty, program.free_start, shift)
     step = step._replace(slack=limits.only_there(step.slack), dual=limits.only_there(step.dual))
     share = jnp.maximum(_TO_BOUNDARY, 1.0 - barrier)
-    longest = jnp.where(finishing, 1.0, _to_boundary(slack, step.slack, share))
-    search = _searched(program, limits, state, step, barrier, longest, finishing, args)
+    longest = jnp.where(crossing_over, 1.0, _to_boundary(slack, step.slack, share))
+    search = _searched(program, limits, state, step, barrier, longest, crossing_over, args)
     accepted = search.accepted
-    dual_length = jnp.where(finishing, 1.0, _to_boundary(dual, step.dual, share))
+    dual_length = jnp.where(crossing_over, 1.0, _to_boundary(dual, step.dual, share))
     moved = search.place.point._replace(
         dual=jax.tree.map(lambda z, dz: z + dual_length * dz, dual, step.dual),
         rows=point.rows + search.length * step.rows,
@@ -134,30 +138,30 @@ def advanced(
     active = _where(
         beginning,
         active_along(slack, dual, step.slack, step.dual),
-        active_after(finish.active, limits.slacks(moved), moved.dual),
+        active_after(crossover.active, limits.slacks(moved), moved.dual),
     )
-    moved = _kept(limits, moved, barrier, finishing)
+    moved = _kept(limits, moved, barrier, crossing_over)
 
     # A model that is not convex, or a step that leads nowhere, asks for more curvature.
     more = jnp.maximum(_FIRST_SHIFT, jnp.where(state.shift > 0.0, _GROWTH * state.shift, 0.0))
     less = jnp.where(state.shift < 3.0 * _FIRST_SHIFT, 0.0, state.shift / _SHRINK)
-    shift = jnp.where(finishing, state.shift, jnp.where(accepted, less, more))
+    shift = jnp.where(crossing_over, state.shift, jnp.where(accepted, less, more))
     stuck = jnp.where(shift > _STUCK, Status.INFEASIBLE, RUNNING)
-    status = jnp.where(finite | finishing, stuck, Status.NOT_FINITE)
+    status = jnp.where(finite | crossing_over, stuck, Status.NOT_FINITE)
     status = jnp.where(converged, Status.CONVERGED, status).astype(state.status.dtype)
     # The last pass only looks, so that what is said of the point returned is true of it.
     looking = state.iterations + 1 >= settings.max_iterations
     going = (status == RUNNING) & ~looking
-    failed = finishing & (~accepted | ~finite | (left == 1))
-    anchor = _where(beginning, place, finish.anchor)
+    failed = crossing_over & (~accepted | ~finite | (left == 1))
+    anchor = _where(beginning, place, crossover.anchor)
     onward = _where(failed, anchor, _where(accepted, search.place._replace(point=moved), place))
     return State(
         _where(going, onward, place),
-        Finish(
-            jnp.where(finishing & ~failed, left - 1, 0),
+        Crossover(
+            jnp.where(crossing_over & ~failed, left - 1, 0),
             active,
             anchor,
-            jnp.where(beginning, 0.5 * state.barrier, finish.below),
+            jnp.where(beginning, 0.5 * state.barrier, crossover.below),
         ),
         barrier,
         shift,
@@ -170,16 +174,16 @@ def advanced(
 
 
 def _searched(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     limits: Limits,
     state: State,
     step: Step,
     barrier: Array,
     longest: Array,
-    finishing: Array,
+    crossing_over: Array,
     args: Any,
 ) -> _Search:
-    """How far to go along a step, by a filter; in the finish all of it."""
+    """How far to go along a step, by a filter; in the crossover all of it."""
     place, nodes = state.place, state.place.point.nodes
 
     def merit(cost: Array, point: Point) -> Array:
@@ -208,7 +212,7 @@ def _searched(
         cheaper = cost <= merit_now - _PROGRESS * jnp.minimum(place.unmet, 1.0)
         level = (miss <= _NEGLIGIBLE) & (cost <= merit_now + 1e-10 * jnp.abs(merit_now))
         good = (miss <= state.most) & (nearer | cheaper | level) & jnp.isfinite(cost)
-        good = (finishing | good) & jnp.isfinite(miss)
+        good = (crossing_over | good) & jnp.isfinite(miss)
         return _Search(before.trials + 1, length, Place(point, seen.cost, miss), good)
 
     def rejected(tried: _Search) -> Array:
@@ -219,15 +223,15 @@ def _searched(
     return tried._replace(accepted=tried.accepted & step.convex)
 
 
-def _kept(limits: Limits, point: Point, barrier: Array, finishing: Array) -> Point:
-    """A point with multipliers near its barrier's; in the finish, with nothing below zero."""
+def _kept(limits: Limits, point: Point, barrier: Array, crossing_over: Array) -> Point:
+    """A point with multipliers near its barrier's; in the crossover, with nothing below zero."""
 
     def near(z: Array, s: Array) -> Array:
         return jnp.clip(z, barrier / s / _DUAL_RANGE, barrier / s * _DUAL_RANGE)
 
     pair = point.dual, limits.slacks(point)
     dual = _where(
-        finishing,
+        crossing_over,
         jax.tree.map(lambda z: jnp.maximum(z, 0.0), point.dual),
         jax.tree.map(near, *pair),
     )

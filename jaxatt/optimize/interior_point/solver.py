@@ -11,11 +11,11 @@ filter allow.  Second derivatives are exact; where the reduced Hessian is not po
 curvature is shifted until it is.  Hard rows at the end enter with a large quadratic weight around
 their multipliers, which is a tiny regularisation of the dual system that the next step corrects.
 
-The end is a finish (`complementarity`): near enough to the solution, one step without a barrier
+The end is a crossover (`crossover`): near enough to the solution, one step without a barrier
 tells which limits hold, and full Newton steps with those limits as equations end quadratically.  A
 limit is released where its multiplier turns negative and taken up where it is overstepped.  A
-finish that does not end in a few passes had the wrong limits; the start goes back to where it began
-and follows the barrier on.
+crossover that does not end in a few passes had the wrong limits; the start goes back to where it
+began and follows the barrier on.
 
 Sources: Waechter and Biegler (2006), "On the implementation of an interior-point filter line-search
 algorithm for large-scale nonlinear programming", for barrier, shift and fraction to the boundary;
@@ -36,14 +36,14 @@ from jaxatt.optimize.interior_point.newton_pass import advanced
 from jaxatt.optimize.interior_point.residuals import unmet
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
-    Finish,
+    Crossover,
     InteriorSettings,
     Limits,
     Place,
     Point,
     State,
 )
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.status import Status
 
 __all__ = [
@@ -82,7 +82,7 @@ class InteriorSolution(NamedTuple):
 
 
 def begin(
-    program: StagedProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
+    program: OptimalControlProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
 ) -> State:
     """Before the first pass.
 
@@ -99,7 +99,7 @@ def begin(
     nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, bool), dual)
     return State(
         place,
-        Finish(jnp.zeros((), int), nothing, place, jnp.asarray(settings.finish_from, dtype)),
+        Crossover(jnp.zeros((), int), nothing, place, jnp.asarray(settings.crossover_from, dtype)),
         jnp.asarray(settings.barrier, dtype),
         jnp.zeros((), dtype),
         10.0 * jnp.maximum(1.0, missed),
@@ -116,7 +116,7 @@ def running(state: State, settings: InteriorSettings) -> Array:
 
 
 def advance(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     state: State,
     args: Any,
     settings: InteriorSettings,
@@ -162,9 +162,9 @@ def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
 
 
 def solve_interior(
-    program: StagedProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
+    program: OptimalControlProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
 ) -> InteriorSolution:
-    """Minimise a `StagedProgram` from one start.
+    """Minimise a `OptimalControlProgram` from one start.
 
     u : (N, b) and states : (N + 1, s), which need not obey the dynamics.
 
@@ -175,7 +175,7 @@ def solve_interior(
 
 
 def _first_point(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     u: Array,
     states: Array,
     args: Any,

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize.interior_point.model import Bounded, Nodes, limits_along
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 
 RUNNING = -1
 """The status of a start that has not ended."""
@@ -23,8 +23,8 @@ class InteriorSettings:
 
     tolerance : of violation, scaled stationarity and complementarity.
     barrier : the first one.  factor, power : a solved barrier b becomes min(factor b, b^power).
-    row_penalty : of the hard rows at the end, and of active limits in the finish.
-    finish_from : barrier from which the finish may be tried; 0 for never.
+    row_penalty : of the hard rows at the end, and of active limits in the crossover.
+    finish_from : barrier from which the crossover may be tried; 0 for never.
     max_iterations : passes.
     """
 
@@ -33,7 +33,7 @@ class InteriorSettings:
     factor: float = 0.1
     power: float = 1.5
     row_penalty: float = 1e7
-    finish_from: float = 1e-3
+    crossover_from: float = 1e-3
     max_iterations: int = 200
 
 
@@ -55,8 +55,8 @@ class Place(NamedTuple):
     unmet: Array
 
 
-class Finish(NamedTuple):
-    """How far the finish is.
+class Crossover(NamedTuple):
+    """How far the crossover is.
 
     left : () passes that it may still take, 0 where it is not under way.  active : limits that are
     taken to hold.  anchor : where it began, to which a start that fails in it goes back.
@@ -77,7 +77,7 @@ class State(NamedTuple):
     """
 
     place: Place
-    finish: Finish
+    crossover: Crossover
     barrier: Array
     shift: Array
     most: Array
@@ -96,7 +96,7 @@ class Limits(NamedTuple):
     high: Array
 
     @classmethod
-    def of(cls, program: StagedProgram, size: int, args: Any) -> Limits:
+    def of(cls, program: OptimalControlProgram, size: int, args: Any) -> Limits:
         """size : b."""
         lower, upper = limits_along(program, size, args)
         below, above = jnp.isfinite(lower), jnp.isfinite(upper)

@@ -18,7 +18,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.optimize.optimal_control import StagedProgram, fly
+from jaxatt.optimize.optimal_control import OptimalControlProgram, fly
 from jaxatt.optimize.reweighting.condensed import SUPPORT_THRESHOLD, Reweighting, SparseRoot
 from jaxatt.optimize.riccati.penalty import (
     Rows,
@@ -61,7 +61,7 @@ class _Point(NamedTuple):
 
 
 def sparsify_stages(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     limits: Array,
     u: Array,
     free: Array,

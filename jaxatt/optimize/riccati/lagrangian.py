@@ -19,7 +19,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.augmented_lagrangian.solver import Schedule
-from jaxatt.optimize.optimal_control import StagedProgram, fly
+from jaxatt.optimize.optimal_control import OptimalControlProgram, fly
 from jaxatt.optimize.riccati.model import Multipliers, Sweep, Terms, merit, no_multipliers, sweep
 from jaxatt.optimize.riccati.recursion import Trajectory, fly_with_feedback
 from jaxatt.optimize.status import Status
@@ -75,7 +75,7 @@ def _stationarity(found: Sweep) -> Array:
 
 
 def _searched(
-    program: StagedProgram, state: _State, found: Sweep, args: Any
+    program: OptimalControlProgram, state: _State, found: Sweep, args: Any
 ) -> tuple[Trajectory, Array, Array]:
     """The trajectory after a step, its length and whether it was accepted."""
 
@@ -103,9 +103,9 @@ def _searched(
 
 
 def solve_stages(
-    program: StagedProgram, u0: Array, args: Any, schedule: Schedule
+    program: OptimalControlProgram, u0: Array, args: Any, schedule: Schedule
 ) -> StagedSolution:
-    """Minimise a `StagedProgram` from one start.
+    """Minimise a `OptimalControlProgram` from one start.
 
     u0 : (N, b).  args : pytree handed to the programme's functions.
     schedule : `penalty` is that of the hard rows, `stage_penalty` that of the inequalities.

@@ -15,7 +15,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.augmented_lagrangian.penalty import equality_cost, inequality_cost
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.riccati.penalty import (
     Rows,
     differentiated,
@@ -79,7 +79,7 @@ def _penalised(rows: Rows, multipliers: Rows, weight: Array, terms: Terms) -> Ar
     )
 
 
-def no_multipliers(program: StagedProgram, flown: Trajectory, args: Any) -> Multipliers:
+def no_multipliers(program: OptimalControlProgram, flown: Trajectory, args: Any) -> Multipliers:
     """Multipliers of zero."""
 
     def rows() -> tuple[Rows, Rows]:
@@ -93,7 +93,7 @@ def no_multipliers(program: StagedProgram, flown: Trajectory, args: Any) -> Mult
 
 
 def merit(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     flown: Trajectory,
     terms: Terms,
     args: Any,
@@ -140,7 +140,7 @@ def _tallied(rows: Rows, estimates: Rows, weight: Array) -> tuple[Array, Array, 
 
 
 def sweep(
-    program: StagedProgram, flown: Trajectory, terms: Terms, damping: Array, args: Any
+    program: OptimalControlProgram, flown: Trajectory, terms: Terms, damping: Array, args: Any
 ) -> Sweep:
     """Backwards over the stages: gradient, tests and the Riccati step."""
     n, size = program.error_size, flown.u.shape[1]

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.augmented_lagrangian.penalty import pushed
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.riccati.recursion import Trajectory, product
 
 
@@ -50,17 +50,17 @@ def differentiated(rows: Callable[[Array], Rows], at: Array) -> tuple[Rows, Arra
     return values, jnp.asarray(jax.jacfwd(lambda z: jnp.concatenate(rows(z)))(at))
 
 
-def stage_rows(program: StagedProgram, x: Array, u: Array, stage: Any, args: Any) -> Rows:
+def stage_rows(program: OptimalControlProgram, x: Array, u: Array, stage: Any, args: Any) -> Rows:
     """Rows of one stage."""
     return Rows(program.equality(x, u, stage, args), program.inequality(x, u, stage, args))
 
 
-def final_rows(program: StagedProgram, x: Array, args: Any) -> Rows:
+def final_rows(program: OptimalControlProgram, x: Array, args: Any) -> Rows:
     """Rows of the last state."""
     return Rows(program.final_rows(x, args), program.final_inequality(x, args))
 
 
-def rows_along(program: StagedProgram, flown: Trajectory, args: Any) -> tuple[Rows, Array]:
+def rows_along(program: OptimalControlProgram, flown: Trajectory, args: Any) -> tuple[Rows, Array]:
     """Rows of all stages and their derivatives (N, q + p, n + b).
 
     A loop of its own for the same reason as `riccati.derivatives_along`.
@@ -79,7 +79,7 @@ def rows_along(program: StagedProgram, flown: Trajectory, args: Any) -> tuple[Ro
 
 
 def models_along(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     flown: Trajectory,
     multipliers: Rows,
     penalty: Array,

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 
 Limiter = Callable[[Array], tuple[Array, Array]]
 """u (b,) -> controls within their limits (b,), and 1 where that changed them, ()."""
@@ -91,7 +91,7 @@ def eliminated(hessian: Array, gradient: Array, first: int) -> Eliminated:
     return Eliminated(hessian, gradient, jnp.stack(law), least)
 
 
-def derivatives_along(program: StagedProgram, flown: Trajectory, args: Any) -> Array:
+def derivatives_along(program: OptimalControlProgram, flown: Trajectory, args: Any) -> Array:
     """Derivatives of the next error state at every stage, (N, n, n + b).
 
     A loop of its own: inside the backward recursion XLA would compute them again for every use.
@@ -150,7 +150,7 @@ def backward_step(
 
 
 def fly_with_feedback(
-    program: StagedProgram,
+    program: OptimalControlProgram,
     around: Trajectory,
     laws: Array,
     length: Array,

@@ -9,13 +9,13 @@ import numpy as np
 from jaxatt.control.pd import PDLaw
 from jaxatt.control.schmitt import SchmittLaw
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory, fly_held_law, fly_law
 
 
 def fly_pd(task: SlewTask, clipped: bool = True) -> Trajectory:
     """Fly the PD law of (5.8) on the task's slew; with thrusters, the one with Schmitt triggers."""
-    reference = jnp.asarray(task.aim.q_ob), jnp.asarray(task.aim.omega_ob)
+    reference = jnp.asarray(task.target.q_ob), jnp.asarray(task.target.omega_ob)
     if task.craft.thrusters.count:
         valves = SchmittLaw(task.craft, *reference)
         flown = fly_held_law(task.craft, task.start, valves, valves.shut, task.table)

@@ -1,4 +1,4 @@
-"""From the answer of a search to a leg: flown again, judged, labelled."""
+"""From the answer of a search to a phase: flown again, judged, labelled."""
 
 from __future__ import annotations
 
@@ -9,46 +9,47 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.optimize.status import Status
-from jaxatt.problems.failure_reason import obstacle
+from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.hands_off import sparsity
 from jaxatt.problems.hands_off.search.candidates import Candidates
 from jaxatt.problems.hands_off.search.quantise import MODES, quantise
 from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Floats, Task
-from jaxatt.problems.manoeuvre import Departure
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.toy.task import ToyTask
-from jaxatt.report.result import FinalTimes, Leg, PointingRecord, StartsRecord, Valves
+from jaxatt.report.result import FinalTimes, Phase, PointingRecord, StartsRecord, Valves
 from jaxatt.report.wording import broken_limit, limit_label
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
 
 
-def leg_of(
+def phase_record(
     scenario: scenarios.Scenario,
     task: Task,
     found: Found,
     start_time: float,
     final_times: FinalTimes | None = None,
-) -> tuple[Leg, Departure | None]:
-    """The best answer of a search as a labelled leg, and where the next leg begins.
+) -> tuple[Phase, InitialState | None]:
+    """The best answer of a search as a labelled phase, and where the next phase begins.
 
     Where the answer does not reach (as the printed cost may prefer), the best that does reach
     stands beside it.
     """
-    leg, state = _flown_leg(scenario, task, found, found.best, start_time)
-    if not leg.reached and found.reaching is not None:
-        alternative, _ = _flown_leg(scenario, task, found, found.reaching, start_time)
-        leg = replace(leg, alternative=alternative)
-    return replace(leg, final_times=final_times), state
+    phase, state = _flown_phase(scenario, task, found, found.best, start_time)
+    if not phase.reached and found.reaching is not None:
+        alternative, _ = _flown_phase(scenario, task, found, found.reaching, start_time)
+        phase = replace(phase, alternative=alternative)
+    return replace(phase, final_times=final_times), state
 
 
-def _flown_leg(
+def _flown_phase(
     scenario: scenarios.Scenario,
     task: Task,
     found: Found,
     answer: Candidates,
     start_time: float,
-) -> tuple[Leg, Departure | None]:
+) -> tuple[Phase, InitialState | None]:
     controls = answer.controls
     window = np.asarray(scenarios.window_mask(scenario))
     forbidden = np.asarray(scenarios.forbidden_mask(scenario))
@@ -58,7 +59,7 @@ def _flown_leg(
         pointing = _pointing(task, flown)
         verdict, cost = task.judge(flown, controls), task.cost(flown, controls)
         end = task.intervals
-        state = Departure(
+        state = InitialState(
             *(np.asarray(part[0, end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
         )
         series = {
@@ -72,9 +73,9 @@ def _flown_leg(
             series["torque_wheels"] = task.wheel_torque(controls[0])
         if task.craft.thrusters.count:
             series["torque_thrusters"] = task.thrust(controls[0])
-        reference = {"q_ob": task.aim.q_ob, "omega_ob": task.aim.omega_ob}
-        if task.passage is not None:
-            reference["waypoint"] = task.passage.q_ob
+        reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
+        if task.waypoint is not None:
+            reference["waypoint"] = task.waypoint.q_ob
     else:
         assert isinstance(task, ToyTask)
         verdict, cost = task.verify(controls)
@@ -94,7 +95,7 @@ def _flown_leg(
         distinct_minima=found.distinct_minima,
     )
     reached = bool(verdict.reached[0])
-    leg = Leg(
+    phase = Phase(
         start_time=start_time,
         step=task.step,
         controls=controls[0],
@@ -111,41 +112,45 @@ def _flown_leg(
         objective={name: float(value[0]) for name, value in cost.items()},
         effort=float(task.effort(controls)[0]),
         reached=reached,
-        obstacle="" if reached else _obstacle(task, answer, pointing),
+        failure_reason="" if reached else _failure_reason(task, answer, pointing),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
         quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
         pointing=pointing,
     )
-    return leg, state
+    return phase, state
 
 
 def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
     """What a flight (S = 1) says of cones and rate limits."""
     if not task.pointing:
         return None
-    lookout, times = task.lookout, task.lookout.elapsed
-    guard = np.zeros(len(task.pointing.cones) + 1) if task.guard is None else task.guard
+    path_monitor, times = task.path_monitor, task.path_monitor.elapsed
+    constraint_margin = (
+        np.zeros(len(task.pointing.cones) + 1)
+        if task.constraint_margin is None
+        else task.constraint_margin
+    )
     return PointingRecord(
         time=times,
-        angles=lookout.watch(flown).angles[0],
-        boresights=lookout.boresights(flown),
-        directions=lookout.directions,
+        angles=path_monitor.watch(flown).angles[0],
+        boresights=path_monitor.boresights(flown),
+        directions=path_monitor.directions,
         extremes=task.watch(flown).extremes(times),
-        guard=guard[:-1],
+        constraint_margin=constraint_margin[:-1],
     )
 
 
-def guard_notes(leg: Leg) -> tuple[str, ...]:
-    """Which cones the search of a leg took stricter than they are, in words."""
-    record = leg.pointing
+def constraint_margin_notes(phase: Phase) -> tuple[str, ...]:
+    """Which cones the search of a phase took stricter than they are, in words."""
+    record = phase.pointing
     if record is None:
         return ()
     return tuple(
-        f"{limit_label(extreme.kind, extreme.name)} was taken {math.degrees(guard):.2g} deg "
+        f"{limit_label(extreme.kind, extreme.name)} was taken {math.degrees(margin):.2g} deg "
         "stricter, so that the way between the nodes keeps to it"
-        for extreme, guard in zip(record.extremes, record.guard, strict=False)
-        if guard > 0.0
+        for extreme, margin in zip(record.extremes, record.constraint_margin, strict=False)
+        if margin > 0.0
     )
 
 
@@ -177,10 +182,10 @@ def _valves(
     )
 
 
-def _obstacle(task: Task, answer: Candidates, pointing: PointingRecord | None = None) -> str:
+def _failure_reason(task: Task, answer: Candidates, pointing: PointingRecord | None = None) -> str:
     """Which constraint is in the way of the closest answer, in words."""
     saturated = task.saturated_intervals(answer.controls[0])
     binding: tuple[str, ...] = ()
     if saturated:
         binding = (f"the control limit binds in {saturated} of {task.intervals} intervals",)
-    return obstacle(answer.verdict, Status(int(answer.status[0])), pointing, binding)
+    return failure_reason(answer.verdict, Status(int(answer.status[0])), pointing, binding)

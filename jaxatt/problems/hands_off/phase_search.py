@@ -1,4 +1,4 @@
-"""The search of one leg: with its path constraints, its final time and its first guess."""
+"""The search of one phase: with its path constraints, its final time and its first guess."""
 
 from __future__ import annotations
 
@@ -13,25 +13,26 @@ from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.search import Found, search
 from jaxatt.problems.hands_off.search.time_cost import Pricing
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
 from jaxatt.report.result import FinalTimes
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.scenarios.valves import shortest_interval
 
 GUESSES = ("pulses", "pd", "l1")
 
 Build = Callable[..., Task]
-"""As `build_task`, of a given leg."""
+"""As `build_task`, of a given phase."""
 
 
-def search_leg(
+def search_phase(
     scenario: scenarios.Scenario,
     build: Build,
     guess: str | Floats,
     inner: str,
     report: Report | None,
 ) -> tuple[Task, Found, FinalTimes | None]:
-    """Task of a leg, what was found for it, and the final times that were tried, if it is free.
+    """Task of a phase, what was found for it, and the final times that were tried, if it is free.
 
     Path constraints are left out at first, see `limited_search`; so are they at other final times.
     """
@@ -46,7 +47,7 @@ def search_leg(
     def rebuild(task: Task, final_time: float) -> Task:
         again = build(scenario, enforce_speed_limits=False, final_time=final_time)
         if isinstance(task, SlewTask) and isinstance(again, SlewTask):
-            return again.enforcing(task.guard, task.form.speed_limited)
+            return again.enforcing(task.constraint_margin, task.form.speed_limited)
         return again
 
     if not horizon.free:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.problems.hands_off.sparsity import complementarity_vector
-from jaxatt.problems.hands_off.task import Floats, Goal
+from jaxatt.problems.hands_off.task import Goal
+from jaxatt.runtime.arrays import Floats
 
 
 def support_cost(controls: Floats, goal: Goal, weight: Floats) -> Floats:

@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.program import Program
 from jaxatt.optimize.reweighting.equations import Equations, Linearise, from_response
 from jaxatt.problems.hands_off import sparsity
@@ -81,7 +81,7 @@ class SparseSystem:
     limits: Callable[[Any], Array] | None = None
     bounds: Callable[[Any], tuple[Array, Array]] | None = None
     path: Callable[[Any, Any], tuple[Array, Array]] | None = None
-    stages: Callable[[int], StagedProgram] | None = None
+    stages: Callable[[int], OptimalControlProgram] | None = None
     label: str | None = None
 
     def linearise(self, plant: Any) -> Linearise:

@@ -9,7 +9,7 @@ from typing import Any
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.hands_off import sparsity
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
 
@@ -25,7 +25,7 @@ def _inner(function: Any) -> Any:
 @functools.cache
 def sparse_stages(
     system: SparseSystem, size: int, shared: bool, limited: bool = True
-) -> StagedProgram:
+) -> OptimalControlProgram:
     """Programme of a sparse control problem in stages of `size` controls.
 
     shared : whether all controls of an interval count as one (design 1) or each for itself.

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import copy
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
-import numpy.typing as npt
 from jax import Array
 
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
-
-Floats = npt.NDArray[np.float64]
-Flags = npt.NDArray[np.bool_]
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 
 _BINDING = 1e-3
 
@@ -51,64 +48,6 @@ class Goal:
     design: int
     epsilon: float
     weights: Weights
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """What independent re-simulation says of S controls; leading axis S.
-
-    errors : name -> (S,) error, e.g. "attitude" [rad]; tolerances : name -> allowed error.
-    limit_violation : (S,) largest excess over a control limit, in units of the controls.
-    margin_violation : (S,) largest violation of a path constraint, relative to its limit.
-    """
-
-    errors: dict[str, Floats]
-    tolerances: dict[str, float]
-    limit_violation: Floats
-    margin_violation: Floats
-
-    LIMIT_TOLERANCE = 1e-9
-    MARGIN_TOLERANCE = 1e-6
-
-    @property
-    def arrives(self) -> npt.NDArray[np.bool_]:
-        """(S,) whether every error and control limit is within tolerance, whatever the way."""
-        ok = self.limit_violation <= self.LIMIT_TOLERANCE
-        for name, error in self.errors.items():
-            ok &= error <= self.tolerances[name]
-        return ok
-
-    @property
-    def reached(self) -> npt.NDArray[np.bool_]:
-        """(S,) whether every error, limit and path constraint is within tolerance."""
-        return self.arrives & (self.margin_violation <= self.MARGIN_TOLERANCE)
-
-    def pick(self, rows: npt.NDArray[np.int64]) -> Verdict:
-        """Verdicts of some of the controls."""
-        return Verdict(
-            {name: error[rows] for name, error in self.errors.items()},
-            self.tolerances,
-            self.limit_violation[rows],
-            self.margin_violation[rows],
-        )
-
-    @staticmethod
-    def join(parts: Sequence[Verdict]) -> Verdict:
-        """One verdict on the controls of several."""
-        return Verdict(
-            {name: np.concatenate([p.errors[name] for p in parts]) for name in parts[0].errors},
-            parts[0].tolerances,
-            np.concatenate([p.limit_violation for p in parts]),
-            np.concatenate([p.margin_violation for p in parts]),
-        )
-
-    @property
-    def shortfall(self) -> Floats:
-        """(S,) largest error in units of its tolerance; not a number counts as infinite."""
-        worst = np.zeros_like(self.limit_violation)
-        for name, error in self.errors.items():
-            worst = np.maximum(worst, np.nan_to_num(error / self.tolerances[name], nan=np.inf))
-        return worst
 
 
 class Task(ABC):

@@ -11,8 +11,8 @@ from jax import Array
 from jaxatt.attitude import quaternion
 from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.environment.sun import sun_direction
-from jaxatt.problems.hands_off.task import Floats
 from jaxatt.problems.pointing.cones import KEEP_IN, KEEP_OUT, PointingLimits, PointingPath
+from jaxatt.runtime.arrays import Floats
 
 _WIDEST = 1e-9
 """[rad] A guarded half angle stays this far from 0 and pi."""
@@ -80,17 +80,21 @@ class Pointing:
                 found[:, i] = cone.direction
         return found
 
-    def path(self, directions: Floats, guard: Floats) -> PointingPath:
+    def path(self, directions: Floats, constraint_margin: Floats) -> PointingPath:
         """Limits for the solver along nodes with these directions (N + 1, m, 3).
 
-        guard : (m + 1,), what each cone is narrowed (keep-in) or widened (keep-out) by [rad], then
-        what is taken off the rate limits, as a share of them.
+        constraint_margin : (m + 1,), what each cone is narrowed (keep-in) or widened (keep-out) by
+        [rad], then what is taken off the rate limits, as a share of them.
         """
         cones = self.cones
         sense = np.array([cone.sense for cone in cones])
-        half = np.array([cone.half_angle for cone in cones]) - sense * guard[:-1]
+        half = np.array([cone.half_angle for cone in cones]) - sense * constraint_margin[:-1]
         half = np.clip(half, _WIDEST, np.pi - _WIDEST)
-        rate = np.zeros(0) if self.rate_limit is None else self.rate_limit * (1.0 - guard[-1])
+        rate = (
+            np.zeros(0)
+            if self.rate_limit is None
+            else self.rate_limit * (1.0 - constraint_margin[-1])
+        )
         limits = PointingLimits(
             jnp.asarray(np.reshape([cone.boresight for cone in cones], (-1, 3))),
             jnp.asarray(np.cos(half)),

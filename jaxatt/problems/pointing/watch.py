@@ -11,9 +11,10 @@ from jax import Array
 
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable, refined
-from jaxatt.problems.hands_off.task import Floats, Verdict
 from jaxatt.problems.pointing.case import Pointing
 from jaxatt.problems.pointing.cones import cone_angles
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.simulation.flight import Trajectory
 
@@ -35,7 +36,7 @@ class Extreme:
 
 
 @dataclass(frozen=True, eq=False)
-class Watch:
+class ObservedPath:
     """Angles and rates of S flights at all their T fine instants.
 
     angles : (S, T, m) [rad].  rates : (S, T, 3) [rad/s], |omega_ib| by body axis.
@@ -100,7 +101,7 @@ def _angles(q_ob: Array, q_io: Array, directions: Array, boresights: Array) -> A
     return jax.vmap(one)(q_ob)
 
 
-class Lookout:
+class PathMonitor:
     """Watches flights through a table at every Runge-Kutta step.
 
     table : environment of the flights.  start : [s], time of its first node.
@@ -138,7 +139,7 @@ class Lookout:
         fixed = np.reshape([cone.boresight for cone in self.pointing.cones], (1, *shape[1:]))
         return np.asarray(quaternion.rotate(q_ib[:, None], np.broadcast_to(fixed, shape)))
 
-    def watch(self, flown: Trajectory, intervals: int | None = None) -> Watch:
+    def watch(self, flown: Trajectory, intervals: int | None = None) -> ObservedPath:
         """Angles and rates of flights (S, ...), for so many intervals or all there are."""
         fine = flown.fine
         assert fine is not None
@@ -151,4 +152,4 @@ class Lookout:
             q_ob,
             key=("angles", q_ob.shape[1:], directions.shape),
         )
-        return Watch(self.pointing, angles, np.abs(fine.omega_ib[:, :last]))
+        return ObservedPath(self.pointing, angles, np.abs(fine.omega_ib[:, :last]))

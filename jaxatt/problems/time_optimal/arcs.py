@@ -18,7 +18,6 @@ from jax import Array, lax
 
 from jaxatt.optimize.status import Status
 from jaxatt.pipeline.minimize import minimize
-from jaxatt.problems.hands_off.task import Floats
 from jaxatt.problems.time_optimal.derivatives import torques
 from jaxatt.problems.time_optimal.reorientation import (
     ReorientationForm,
@@ -27,6 +26,7 @@ from jaxatt.problems.time_optimal.reorientation import (
 )
 from jaxatt.problems.time_optimal.search import FreeTimeFound
 from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.free_body import step
 
 _SATURATED = 0.98
@@ -161,5 +161,5 @@ def flown_arcs_error(task: ReorientationTask, arcs: Arcs, between: int = 64) -> 
     state = task.start
     for length, torque in zip(arcs.lengths, arcs.torques, strict=True):
         state = task.fly_on(state, torque, float(length), between)
-    rate = np.linalg.norm(np.asarray(state.omega_ib) - task.aim.omega_ob)
+    rate = np.linalg.norm(np.asarray(state.omega_ib) - task.target.omega_ob)
     return task.angle_to_target(np.asarray(state.q_ob)), float(rate)

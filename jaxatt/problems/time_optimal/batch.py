@@ -22,7 +22,6 @@ from jaxatt.optimize.interior_point.solver import (
     outcome,
     running,
 )
-from jaxatt.problems.hands_off.task import Floats
 from jaxatt.problems.time_optimal.random_paths import Paths
 from jaxatt.problems.time_optimal.reorientation import (
     ReorientationForm,
@@ -30,6 +29,7 @@ from jaxatt.problems.time_optimal.reorientation import (
     reorientation,
 )
 from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 

@@ -16,7 +16,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.optimize.optimal_control import Slopes
+from jaxatt.optimize.optimal_control import Linearisation
 from jaxatt.simulation.free_body import BodyForm, derivative, step
 from jaxatt.simulation.momentum_model import Components, cross
 
@@ -69,7 +69,7 @@ def _rotation(q: Components) -> list[list[Array]]:
 
 
 class IntervalDerivatives:
-    """`StagedProgram.slopes` and `bending` of a reorientation with quaternions.
+    """`OptimalControlProgram.slopes` and `lagrangian_hessian` of a reorientation with quaternions.
 
     impulses : controls whose impulse is a state.  size : b.
     """
@@ -109,10 +109,10 @@ class IntervalDerivatives:
         """A row in z: turn, spin, impulses, length, controls."""
         return jnp.concatenate([turn, by_y[: self.spin], impulse, length[None], u])
 
-    def slopes(
+    def linearisation(
         self, x: Array, u: Array, x_next: Array, share: Array, p: ReorientationParameters
-    ) -> Slopes:
-        """See `StagedProgram.slopes`."""
+    ) -> Linearisation:
+        """See `OptimalControlProgram.slopes`."""
         dtype, spin, impulses = x.dtype, self.spin, self.impulses
         h = share * jnp.exp(x[-1])
         y = jnp.concatenate([x[4 : 4 + spin], self._drive(p, u)])
@@ -165,9 +165,11 @@ class IntervalDerivatives:
         rows.append(self._row(flat, nothing, none, zero + 1.0, still))
         spent = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
         by_control = 2.0 * h * p.effort_weight * p.scale**2 * u
-        return Slopes(gap, jnp.stack(rows), self._row(flat, nothing, none, spent, by_control))
+        return Linearisation(
+            gap, jnp.stack(rows), self._row(flat, nothing, none, spent, by_control)
+        )
 
-    def bending(
+    def lagrangian_hessian(
         self,
         x: Array,
         u: Array,
@@ -176,7 +178,7 @@ class IntervalDerivatives:
         p: ReorientationParameters,
         costate: Array,
     ) -> Array:
-        """See `StagedProgram.bending`.
+        """See `OptimalControlProgram.bending`.
 
         Of cost + by_turn . phi + by_spin . (spin + h spin') + by_impulse . h u, with the coarser
         turn phi = h omega + h^2/2 omega'; spin' is linear in the torques.  Entry by entry, because

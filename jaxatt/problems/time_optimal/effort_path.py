@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.task import Floats
 from jaxatt.problems.time_optimal.batch import solve_paths
 from jaxatt.problems.time_optimal.random_paths import Paths, random_paths
 from jaxatt.problems.time_optimal.search import FreeTimeFound, evaluate, search_free_time
 from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
 _WARM = InteriorSettings(barrier=1e-2)

@@ -1,4 +1,4 @@
-"""From a scenario whose time is minimised to its leg: searched, flown again, judged, labelled."""
+"""From a scenario whose time is minimised to its phase: searched, flown again, judged, labelled."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ import numpy as np
 from jaxatt import scenarios
 from jaxatt.attitude import quaternion
 from jaxatt.optimize.status import Status
-from jaxatt.problems.failure_reason import obstacle
-from jaxatt.problems.manoeuvre import Aim, Departure
+from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
-from jaxatt.report.result import Leg, PointingRecord, StartsRecord
+from jaxatt.report.result import Phase, PointingRecord, StartsRecord
 from jaxatt.report.time_optimum import TimeOptimum, switch_times
 from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
@@ -24,7 +23,7 @@ from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
     """Task of a scenario of one of `TIME_KINDS`."""
     assert scenario.vehicle is not None
-    begin, target, horizon = scenario.initial, scenario.targets[0], scenario.horizon
+    horizon = scenario.horizon
     goal = TimeGoal(
         scenario.objective.effort_weight,
         scenario.transcription.attitude,
@@ -35,26 +34,26 @@ def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
     )
     return ReorientationTask(
         scenario.vehicle,
-        Departure(begin.q_ob, begin.omega_ob, begin.omega_bw),
-        Aim(target.q_ob, target.omega_ob, target.attitude_tolerance, target.rate_tolerance),
+        scenario.initial,
+        scenario.targets[0],
         horizon.intervals,
         goal,
         scenario.pointing,
     )
 
 
-def time_leg(scenario: scenarios.Scenario, report: Report | None = None) -> tuple[Leg, float]:
+def time_phase(scenario: scenarios.Scenario, report: Report | None = None) -> tuple[Phase, float]:
     """The best turn of a scenario with how every start ended, and seconds spent on its flight."""
     task = build_time_task(scenario)
     found = search_free_time(task, scenario.solver.starts, scenario.solver.seed, report)
     arcs = resolve_switches(task, found) if scenario.objective.kind == "minimum-time" else None
     began = time.perf_counter()
-    return _leg(scenario, task, found, arcs), time.perf_counter() - began
+    return _phase(scenario, task, found, arcs), time.perf_counter() - began
 
 
-def _leg(
+def _phase(
     scenario: scenarios.Scenario, task: ReorientationTask, found: FreeTimeFound, arcs: Arcs | None
-) -> Leg:
+) -> Phase:
     best, n = found.best, task.craft.wheels.count
     torque, step = found.controls[best], float(found.step[best])
     flown = task.fly(torque[None], np.array([step]))
@@ -86,7 +85,7 @@ def _leg(
     if arcs is not None:
         switches = arcs.switches
     final = count * step
-    return Leg(
+    return Phase(
         start_time=0.0,
         step=step,
         controls=torque,
@@ -94,7 +93,7 @@ def _leg(
         window=np.zeros(count, bool),
         forbidden=np.zeros(count, bool),
         series=series,
-        reference={"q_ob": task.aim.q_ob, "omega_ob": task.aim.omega_ob},
+        reference={"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob},
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
         limit_violation=float(verdict.limit_violation[0]),
@@ -103,7 +102,9 @@ def _leg(
         objective={"time": final, "effort": scenario.objective.effort_weight * effort},
         effort=float(np.abs(torque).sum() * step),
         reached=reached,
-        obstacle="" if reached else obstacle(verdict, Status(int(found.status[best])), pointing),
+        failure_reason=""
+        if reached
+        else failure_reason(verdict, Status(int(found.status[best])), pointing),
         active=active[best].any(axis=1),
         starts=StartsRecord(
             status=found.status,
@@ -153,5 +154,5 @@ def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord |
         boresights=np.asarray(quaternion.rotate(q, np.broadcast_to(fixed, directions.shape))),
         directions=directions,
         extremes=watch.extremes(times),
-        guard=found.guard[:-1],
+        constraint_margin=found.constraint_margin[:-1],
     )

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 
 from jaxatt.attitude import quaternion
-from jaxatt.problems.hands_off.task import Floats
 from jaxatt.problems.manoeuvre import long_way_probability
 from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.runtime.arrays import Floats
 
 _SPREAD = 0.1
 _MOST_STRETCHES = 12
@@ -49,7 +49,7 @@ def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     share[:, :2], share[:, n:] = 0.0, 1.0
     turn = task.turn(1.0)
     vector = 4.0 * np.arctan(np.linalg.norm(turn)) * turn / max(1e-300, np.linalg.norm(turn))
-    rate = np.asarray(task.departure.omega_ob)
+    rate = np.asarray(task.initial_state.omega_ob)
     away = drawn[:, n + 2] < long_way_probability(vector, rate, _FIRST_DURATION)
     sigma = np.where(away[:, None], task.turn(-1.0), turn)
     reference = np.where(away[:, None], task.reference(-1.0), task.reference(1.0))
@@ -83,7 +83,7 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
     count = task.intervals
     slope = np.diff(nodes, axis=1) / step[:, None, None]
     omega = _rates(nodes[:, : count + 1], slope)
-    omega[:, 0], omega[:, count] = task.departure.omega_ob, task.aim.omega_ob
+    omega[:, 0], omega[:, count] = task.initial_state.omega_ob, task.target.omega_ob
     change = np.diff(omega, axis=1) / step[:, None, None]
     craft = task.craft
     inertia = np.asarray(craft.inertia)
@@ -120,7 +120,7 @@ def _states(
     form = task.form
     squared = (nodes**2).sum(axis=-1, keepdims=True)
     relative = np.concatenate([1.0 - squared, 2.0 * nodes], axis=-1) / (1.0 + squared)
-    attitude = np.asarray(quaternion.multiply(np.asarray(task.departure.q_ob), relative))
+    attitude = np.asarray(quaternion.multiply(np.asarray(task.initial_state.q_ob), relative))
     if form.body.attitude == "mrp":
         attitude = attitude[..., 1:] / (1.0 + attitude[..., :1])
     parts = [attitude, omega]

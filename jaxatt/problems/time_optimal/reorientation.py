@@ -22,7 +22,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.attitude import mrp
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.hands_off.slew import stages as slew_stages
 from jaxatt.problems.hands_off.slew.model import RATE_SCALE, attitude_row
 from jaxatt.problems.pointing.cones import PointingLimits, pointing_margins
@@ -86,7 +86,7 @@ class ReorientationForm:
 
 
 @functools.cache
-def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
+def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
     """The programme with `size` controls an interval, of `ReorientationParameters`."""
     body = form.body
     quaternion = body.attitude == "quaternion"
@@ -132,7 +132,7 @@ def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
         duration = jnp.sum(p.share) * jnp.exp(x[-1])
         return jnp.stack([duration / p.shortest - 1.0, 1.0 - duration / p.longest])
 
-    program = StagedProgram(
+    program = OptimalControlProgram(
         start=start,
         stages=lambda p: p.share,
         dynamics=dynamics,
@@ -151,8 +151,8 @@ def reorientation(form: ReorientationForm, size: int) -> StagedProgram:
         program,
         retract=slew_stages.retract,
         difference=slew_stages.difference,
-        slopes=closed.slopes,
-        bending=closed.bending,
+        linearisation=closed.linearisation,
+        lagrangian_hessian=closed.lagrangian_hessian,
     )
 
 

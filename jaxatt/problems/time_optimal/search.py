@@ -18,10 +18,11 @@ import numpy.typing as npt
 
 from jaxatt.optimize.interior_point.solver import InteriorSolution
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.task import Floats, Verdict
 from jaxatt.problems.time_optimal.batch import solve_paths
 from jaxatt.problems.time_optimal.random_paths import Paths, random_paths
 from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
 _SAME = 1e-4
@@ -39,7 +40,7 @@ class FreeTimeFound:
     cost : (S,) [s].  status : (S,) `Status`.  violation, stationarity : (S,), as the solver has
     them.  iterations : (S,).  own_error : (S,) [rad], by which the transcription's own end misses.
     long_way : (S,).  verdict : of flights with fine steps.
-    guard : (m + 1,), how much stricter cones [rad] and rates were taken than they are.
+    constraint_margin : (m + 1,), how much stricter cones [rad] and rates were taken than they are.
     best : index of the answer.  minima : distinct ones among the starts that converged.
     share : of all starts, those that ended at the best.
     """
@@ -59,7 +60,7 @@ class FreeTimeFound:
     best: int
     minima: int
     share: float
-    guard: Floats
+    constraint_margin: Floats
 
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
@@ -144,10 +145,10 @@ def _between_nodes(
         excess = task.watch(task.fly(torque, step, between=_between(task))).excess[0]
         if found.verdict.reached[index] or not excess.max() > 0.0:
             return found
-        guard = found.guard + _TIGHTER * np.maximum(excess, 0.0)
-        stricter = replace(task.parameters, limits=task.limits(guard))
+        constraint_margin = found.constraint_margin + _TIGHTER * np.maximum(excess, 0.0)
+        stricter = replace(task.parameters, limits=task.limits(constraint_margin))
         again = evaluate(task, paths, solve_paths(task, paths, None, stricter, report))
-        found = replace(again, guard=guard)
+        found = replace(again, constraint_margin=constraint_margin)
     return found
 
 
@@ -172,5 +173,5 @@ def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
         best=0,
         minima=1,
         share=1.0,
-        guard=np.zeros(len(task.pointing.cones) + 1),
+        constraint_margin=np.zeros(len(task.pointing.cones) + 1),
     )

@@ -13,17 +13,18 @@ from jax import Array, lax
 
 from jaxatt.attitude import errors, mrp, quaternion
 from jaxatt.environment.table import EnvironmentTable, Surroundings, environment_at, tabulate
-from jaxatt.problems.hands_off.task import Floats, Verdict
-from jaxatt.problems.manoeuvre import Aim, Departure
+from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.cones import PointingLimits, cone_angles
-from jaxatt.problems.pointing.watch import Watch
+from jaxatt.problems.pointing.watch import ObservedPath
 from jaxatt.problems.time_optimal.actuation import actuation
 from jaxatt.problems.time_optimal.reorientation import (
     ReorientationForm,
     ReorientationParameters,
     reorientation,
 )
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_torque
@@ -84,33 +85,33 @@ _UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0]])
 class ReorientationTask:
     """From one attitude to another in a time that is found, relative to the inertial frame.
 
-    craft : vehicle.  departure, aim : where it begins and ends.  intervals : N.
+    craft : vehicle.  initial_state, target : where it begins and ends.  intervals : N.
     """
 
     def __init__(
         self,
         craft: Spacecraft,
-        departure: Departure,
-        aim: Aim,
+        initial_state: InitialState,
+        target: Target,
         intervals: int,
         goal: TimeGoal,
         pointing: Pointing = FREE,
     ):
         # Of q and -q the one whose MRP are the shorter turn; ways round are told apart from there.
-        q = np.asarray(departure.q_ob)
-        departure = replace(departure, q_ob=-q if q[0] < 0.0 else q)
-        self.craft, self.departure, self.aim = craft, departure, aim
+        q = np.asarray(initial_state.q_ob)
+        initial_state = replace(initial_state, q_ob=-q if q[0] < 0.0 else q)
+        self.craft, self.initial_state, self.target = craft, initial_state, target
         self.intervals, self.goal = intervals, goal
         self.pointing = pointing
         self.directions = pointing.directions(np.zeros(1), _UPRIGHT)[0]
         self.actuation = actuation(craft)
         wheels = craft.wheels
         self.start = AttitudeState(
-            jnp.asarray(departure.q_ob),
-            jnp.asarray(departure.omega_ob),
-            jnp.asarray(departure.omega_bw),
+            jnp.asarray(initial_state.q_ob),
+            jnp.asarray(initial_state.omega_ob),
+            jnp.asarray(initial_state.omega_bw),
         )
-        momentum = np.asarray(total_momentum(craft, departure.omega_ob, departure.omega_bw))
+        momentum = np.asarray(total_momentum(craft, initial_state.omega_ob, initial_state.omega_bw))
         limited = bool(np.isfinite(np.asarray(wheels.speed_limit)).any())
         self.form = ReorientationForm(
             BodyForm(
@@ -135,9 +136,9 @@ class ReorientationTask:
 
     def _parameters(self) -> ReorientationParameters:
         craft, wheels, a = self.craft, self.craft.wheels, self.actuation
-        q = np.asarray(self.departure.q_ob)
+        q = np.asarray(self.initial_state.q_ob)
         attitude = np.asarray(mrp.from_quaternion(q)) if self.form.body.attitude == "mrp" else q
-        begin = [attitude, self.departure.omega_ob]
+        begin = [attitude, self.initial_state.omega_ob]
         if self.form.body.momentum == "carried":
             begin.append(self.momentum)
         goal = self.goal
@@ -150,7 +151,7 @@ class ReorientationTask:
             step=jnp.asarray(1.0),
             share=jnp.ones(self.intervals),
             reference=jnp.asarray(self.reference(1.0)),
-            reference_rate=jnp.asarray(self.aim.omega_ob),
+            reference_rate=jnp.asarray(self.target.omega_ob),
             to_body=jnp.asarray(a.to_body),
             to_external=jnp.asarray(a.to_external),
             lower=jnp.asarray(a.lower),
@@ -161,7 +162,7 @@ class ReorientationTask:
             longest=jnp.asarray(min(goal.longest, 1e9)),
             limits=self.limits(np.zeros(len(self.pointing.cones) + 1)),
             directions=jnp.asarray(self.directions),
-            wheel_speed=jnp.asarray(self.departure.omega_bw),
+            wheel_speed=jnp.asarray(self.initial_state.omega_bw),
             wheel_axes=jnp.asarray(wheels.axes),
             wheel_inertia=jnp.asarray(wheels.inertia),
             to_wheels=jnp.asarray(a.to_wheels),
@@ -175,13 +176,13 @@ class ReorientationTask:
         other.parameters = replace(self.parameters, effort_weight=jnp.asarray(effort_weight))
         return other
 
-    def limits(self, guard: Floats) -> PointingLimits:
+    def limits(self, constraint_margin: Floats) -> PointingLimits:
         """Cones and rates for the solver, taken stricter than they are; see `Pointing.path`."""
-        return self.pointing.path(self.directions[None], guard).limits
+        return self.pointing.path(self.directions[None], constraint_margin).limits
 
     def turn(self, sign: float) -> Floats:
         """MRP of the target relative to the start, the short way (1) or the long way (-1), (3,)."""
-        begin, end = np.asarray(self.departure.q_ob), np.asarray(self.aim.q_ob)
+        begin, end = np.asarray(self.initial_state.q_ob), np.asarray(self.target.q_ob)
         relative = np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
         relative = relative * (sign if relative[0] >= 0.0 else -sign)
         if 1.0 + relative[0] < _AT_REST:
@@ -193,7 +194,7 @@ class ReorientationTask:
         sigma = self.turn(sign)
         squared = float(sigma @ sigma)
         relative = np.concatenate([[1.0 - squared], 2.0 * sigma]) / (1.0 + squared)
-        end = np.asarray(quaternion.multiply(np.asarray(self.departure.q_ob), relative))
+        end = np.asarray(quaternion.multiply(np.asarray(self.initial_state.q_ob), relative))
         if self.form.body.attitude == "mrp":
             return np.asarray(mrp.from_quaternion(end, short=False))
         return end
@@ -202,7 +203,9 @@ class ReorientationTask:
     def at_target(self) -> bool:
         """Whether the start is the target already, to the last digits."""
         turned = float(np.linalg.norm(self.turn(1.0)))
-        moved = np.abs(np.asarray(self.aim.omega_ob) - np.asarray(self.departure.omega_ob)).max()
+        moved = np.abs(
+            np.asarray(self.target.omega_ob) - np.asarray(self.initial_state.omega_ob)
+        ).max()
         return turned < _AT_REST and float(moved) < _AT_REST
 
     def torques(self, u: Floats) -> Floats:
@@ -233,20 +236,22 @@ class ReorientationTask:
 
     def angle_to_target(self, q: Floats) -> float:
         """Angle [rad] between an attitude (4,) and the target."""
-        return float(_angle(self.aim.q_ob, q))
+        return float(_angle(self.target.q_ob, q))
 
     @property
     def tolerances(self) -> dict[str, float]:
         """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
-        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+        return {"attitude": self.target.attitude_tolerance, "rate": self.target.rate_tolerance}
 
     def judge(self, flown: Trajectory, torque: Floats) -> Verdict:
         """Errors of flights at their end, and limits at all of their nodes."""
         wheels, thrusters, n = self.craft.wheels, self.craft.thrusters, self.craft.wheels.count
         q = np.asarray(flown.q_ob)
         found = {
-            "attitude": np.asarray(_angle(self.aim.q_ob, q[:, -1])),
-            "rate": np.linalg.norm(np.asarray(flown.omega_ob)[:, -1] - self.aim.omega_ob, axis=-1),
+            "attitude": np.asarray(_angle(self.target.q_ob, q[:, -1])),
+            "rate": np.linalg.norm(
+                np.asarray(flown.omega_ob)[:, -1] - self.target.omega_ob, axis=-1
+            ),
         }
         wheel, thrust = torque[..., :n], torque[..., n:]
         excess = np.concatenate(
@@ -268,7 +273,7 @@ class ReorientationTask:
             np.max(worst, axis=0),
         )
 
-    def watch(self, flown: Trajectory) -> Watch:
+    def watch(self, flown: Trajectory) -> ObservedPath:
         """Angles of all cones and rates at the nodes of flights."""
         q = np.asarray(flown.q_ob)
         shape = (*q.shape[:2], *self.directions.shape)
@@ -280,7 +285,7 @@ class ReorientationTask:
             q,
             key=("cone angles", shape[1:]),
         )
-        return Watch(self.pointing, angles, np.abs(np.asarray(flown.omega_ib)))
+        return ObservedPath(self.pointing, angles, np.abs(np.asarray(flown.omega_ib)))
 
     def effort(self, torque: Floats, step: Floats) -> Floats:
         """Integral of the sum of squared torques, (S,) [(N m)^2 s]."""

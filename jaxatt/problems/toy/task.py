@@ -16,7 +16,9 @@ from jax import Array, lax
 
 from jaxatt.problems.hands_off import sparsity
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
-from jaxatt.problems.hands_off.task import Floats, Goal, Task, Verdict
+from jaxatt.problems.hands_off.task import Goal, Task
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 
 _VERIFICATION_FACTOR = 20

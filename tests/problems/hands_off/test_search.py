@@ -22,7 +22,7 @@ from jaxatt.problems.hands_off.search.candidates import (
 from jaxatt.problems.hands_off.search.polish import HOMOTOPY, POLISH
 from jaxatt.problems.hands_off.search.search import search
 from jaxatt.problems.hands_off.search.starts import draw
-from jaxatt.problems.hands_off.task import Verdict
+from jaxatt.problems.verdict import Verdict
 
 
 @pytest.fixture(scope="module")

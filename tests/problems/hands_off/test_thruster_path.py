@@ -8,7 +8,7 @@ from jaxatt import scenarios
 from jaxatt.optimize.reweighting.bounded import bounded_step
 from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.slew.thruster_path import path_response
-from jaxatt.problems.hands_off.slew.thruster_response import fly_propelled
+from jaxatt.problems.hands_off.slew.thruster_response import fly_thrusters
 from jaxatt.problems.pointing.cones import pointing_margins
 
 CASE = {"horizon.intervals": 45, "limits.body_rate_deg_s": 30.0}
@@ -29,7 +29,7 @@ def test_worst_margins_and_their_derivatives():
     found = jnp.einsum("kib,kb->i", derivatives, way)
     np.testing.assert_allclose(found, numeric, atol=5e-3 * float(jnp.abs(numeric).max()))
     # Each row is the worst of its kind, up to what is allowed for the way between the nodes.
-    nodes = fly_propelled(u, plant, task.form)[1]
+    nodes = fly_thrusters(u, plant, task.form)[1]
     limits, toward = plant.pointing.limits, plant.pointing.directions[1:]
     every = jax.vmap(lambda x, d: pointing_margins(x[:4], x[4:7], d, limits))(nodes, toward)
     for cone in range(2):

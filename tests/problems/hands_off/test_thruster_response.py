@@ -8,7 +8,7 @@ import pytest
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.slew.thruster_response import propelled_response, propelled_rows
+from jaxatt.problems.hands_off.slew.thruster_response import thruster_response, thruster_rows
 
 WHEELS = {"axes": np.eye(3), "inertia_kgm2": 0.01, "torque_limit_Nm": 0.05}
 TILTED = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1], [0, 0, 1]]) / np.sqrt(3.0)
@@ -42,7 +42,7 @@ def task() -> SlewTask:
 def test_rows_are_those_of_the_flight(task: SlewTask, seed: int) -> None:
     rng = np.random.default_rng(seed)
     u = rng.uniform(task.mounting.lower, task.mounting.upper, (12, task.size))
-    rows = np.asarray(propelled_rows(jnp.asarray(u), task.arguments.plant, task.form))
+    rows = np.asarray(thruster_rows(jnp.asarray(u), task.arguments.plant, task.form))
     verdict, _ = task.verify(task.to_controls(u)[None])
     angle = 4.0 * np.arcsin(np.linalg.norm(rows[:3]) / 4.0)
     assert min(angle, 2 * np.pi - angle) == pytest.approx(verdict.errors["attitude"][0], abs=1e-4)
@@ -54,7 +54,7 @@ def test_derivatives_agree_with_automatic_ones(task: SlewTask, seed: int) -> Non
     rng = np.random.default_rng(seed)
     u = jnp.asarray(rng.uniform(task.mounting.lower, task.mounting.upper, (12, task.size)))
     p = task.arguments.plant
-    _, found = propelled_response(u, p, task.form)
-    exact = jnp.swapaxes(jax.jacrev(lambda v: propelled_rows(v, p, task.form))(u), 0, 1)
+    _, found = thruster_response(u, p, task.form)
+    exact = jnp.swapaxes(jax.jacrev(lambda v: thruster_rows(v, p, task.form))(u), 0, 1)
     scale = np.abs(exact).max(axis=(0, 2))
     assert (np.abs(found - exact).max(axis=(0, 2)) < 5e-3 * scale).all()

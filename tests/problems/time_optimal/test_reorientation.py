@@ -11,8 +11,8 @@ import scipy.integrate
 from references import random_vehicles
 
 from jaxatt.attitude import mrp, quaternion
-from jaxatt.optimize.optimal_control import bending, slopes
-from jaxatt.problems.manoeuvre import Aim, Departure
+from jaxatt.optimize.optimal_control import lagrangian_hessian, linearisation
+from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
 from jaxatt.simulation.free_body import BodyForm, FreeBody, step
@@ -29,13 +29,13 @@ def a_task(rng, wheels=4, pushed=False, spinning=False, **goal):
         else None,
     )
     q = random_vehicles.unit(rng, 4)
-    departure = Departure(
+    initial_state = InitialState(
         np.array([1.0, 0.0, 0.0, 0.0]),
         np.zeros(3),
         100.0 * rng.normal(size=wheels) if spinning else np.zeros(wheels),
     )
-    aim = Aim(q, np.zeros(3), 1e-4, 1e-6)
-    return ReorientationTask(craft, departure, aim, 12, TimeGoal(0.5, **goal))
+    target = Target(q, np.zeros(3), 1e-4, 1e-6)
+    return ReorientationTask(craft, initial_state, target, 12, TimeGoal(0.5, **goal))
 
 
 CASES = {
@@ -49,8 +49,8 @@ CASES = {
 def derivatives(program, x, u, x_next, args, costate):
     share = jnp.ones(())
     return (
-        *slopes(program, x, u, x_next, share, args),
-        bending(program, x, u, x_next, share, args, costate),
+        *linearisation(program, x, u, x_next, share, args),
+        lagrangian_hessian(program, x, u, x_next, share, args, costate),
     )
 
 
@@ -61,7 +61,7 @@ def test_closed_form_derivatives_are_those_of_the_step(case, limited):
     task = a_task(rng, **CASES[case])
     form = dataclasses.replace(task.form, speed_limited=limited)
     own = reorientation(form, task.actuation.size)
-    plain = dataclasses.replace(own, slopes=None, bending=None)
+    plain = dataclasses.replace(own, linearisation=None, lagrangian_hessian=None)
     size = own.error_size + 1
     for _ in range(3):
         x = np.concatenate([random_vehicles.unit(rng, 4), 0.02 * rng.normal(size=size - 4)])
@@ -167,8 +167,8 @@ def test_opposed_thrusters_are_one_control():
 def test_both_ways_round_end_at_the_target(sign):
     task = a_task(np.random.default_rng(5))
     relative = np.asarray(mrp.to_quaternion(task.turn(sign)))
-    end = np.asarray(quaternion.multiply(np.asarray(task.departure.q_ob), relative))
-    assert abs(end @ np.asarray(task.aim.q_ob)) == pytest.approx(1.0, abs=1e-12)
+    end = np.asarray(quaternion.multiply(np.asarray(task.initial_state.q_ob), relative))
+    assert abs(end @ np.asarray(task.target.q_ob)) == pytest.approx(1.0, abs=1e-12)
     assert (np.linalg.norm(task.turn(sign)) <= 1.0) == (sign > 0.0)
 
 

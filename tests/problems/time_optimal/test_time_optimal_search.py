@@ -11,7 +11,7 @@ from jaxatt import scenarios
 from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal import arcs
 from jaxatt.problems.time_optimal.batch import solve_paths
-from jaxatt.problems.time_optimal.phase import build_time_task, time_leg
+from jaxatt.problems.time_optimal.phase import build_time_task, time_phase
 from jaxatt.problems.time_optimal.random_paths import random_paths
 from jaxatt.problems.time_optimal.search import search_free_time
 
@@ -116,16 +116,16 @@ def limited():
     vehicle = free.vehicle
     wheels = dataclasses.replace(vehicle.wheels, speed_limit=np.full(vehicle.wheels.count, 95.0))
     tight = dataclasses.replace(tight, vehicle=dataclasses.replace(vehicle, wheels=wheels))
-    return tight, time_leg(tight)[0]
+    return tight, time_phase(tight)[0]
 
 
 def test_limits_on_the_way_hold_between_nodes_too():
-    leg, unlimited = limited()[1], found()
-    assert leg.reached, leg.obstacle
-    assert leg.final_time > unlimited.step[unlimited.best] * 12 + 1e-3
-    speeds = np.abs(leg.series["omega_bw"])
+    phase, unlimited = limited()[1], found()
+    assert phase.reached, phase.failure_reason
+    assert phase.final_time > unlimited.step[unlimited.best] * 12 + 1e-3
+    speeds = np.abs(phase.series["omega_bw"])
     assert speeds.max() <= 95.0 * (1.0 + 1e-6)
-    assert all(extreme.satisfied for extreme in leg.pointing.extremes)
+    assert all(extreme.satisfied for extreme in phase.pointing.extremes)
 
 
 def test_limits_would_be_broken_without_them():
@@ -145,9 +145,9 @@ def test_at_the_target_there_is_nothing_to_do():
 
 
 def test_a_time_limit_that_is_too_short_is_an_obstacle_in_words():
-    leg, _ = time_leg(case(**{"horizon.longest_s": 20.0, "solver.starts": 4}))
-    assert not leg.reached
-    assert "missed" in leg.obstacle or "solver" in leg.obstacle
+    phase, _ = time_phase(case(**{"horizon.longest_s": 20.0, "solver.starts": 4}))
+    assert not phase.reached
+    assert "missed" in phase.failure_reason or "solver" in phase.failure_reason
 
 
 def test_arcs_are_read_from_torques_with_a_switch_inside_an_interval():

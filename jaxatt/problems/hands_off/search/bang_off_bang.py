@@ -18,7 +18,8 @@ from jaxatt.problems.hands_off.search.batch import broadcast_lanes
 from jaxatt.problems.hands_off.search.bounded_batch import sparsify_bounded_lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
 from jaxatt.problems.hands_off.search.polish import Method, polish, screen
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 
 _NEARLY_HARD = 1e5
 """Weight of a squared row against that of a squared scaled control."""
@@ -26,7 +27,7 @@ _NEARLY_HARD = 1e5
 _NEAREST = BoundedReweighting(deciding=0, settling=40, settled_smoothing=1.0, reach=10.0)
 
 
-def burst_supports(task: Task, shapes: Iterable[tuple[int, int]]) -> Mask:
+def bang_off_bang_supports(task: Task, shapes: Iterable[tuple[int, int]]) -> Mask:
     """Supports (S, N, 1) of the first a and the last b intervals that are allowed."""
     allowed = np.flatnonzero((np.asarray(task.arguments.free) > 0).any(axis=1))
     made = []
@@ -45,18 +46,19 @@ def _both_ways(task: Task, supports: Mask) -> tuple[Floats, Mask, Floats]:
     return np.zeros((len(twice), task.intervals, task.size)), twice, sign
 
 
-def try_bursts(task: Task, size: int, method: Method) -> Candidates:
+def try_bang_off_bang(task: Task, size: int, method: Method) -> Candidates:
     """Every support of `size` intervals in two bursts, both ways round, flown and judged."""
-    return screen(task, *_both_ways(task, burst_supports(task, _shapes(size))), method)
+    return screen(task, *_both_ways(task, bang_off_bang_supports(task, _shapes(size))), method)
 
 
 def nearest_bursts(task: Task, size: int, method: Method, attempts: int = 4) -> Candidates:
-    """As `try_bursts`, but each support ends as near to the target as it can, reached or not.
+    """As `try_bang_off_bang`, but each support ends as near to the target as it can, reached or
+    not.
 
     The squared errors are minimised within limits from `attempts` beginnings, at rest and random:
     what is left on the best of them tells how far out of reach a size is.
     """
-    u, supports, sign = _both_ways(task, burst_supports(task, _shapes(size)))
+    u, supports, sign = _both_ways(task, bang_off_bang_supports(task, _shapes(size)))
     rng = np.random.default_rng(0)
     count = len(u)
     u, supports, sign = (np.concatenate([part] * attempts) for part in (u, supports, sign))
@@ -78,4 +80,4 @@ def _shapes(size: int) -> list[tuple[int, int]]:
 def cheapest_bursts(task: Task, most: int, method: Method) -> Candidates:
     """A first burst of every length up to `most`, alone or with as long a one at the end."""
     shapes = [(first, last) for first in range(1, most + 1) for last in (0, first)]
-    return polish(task, *_both_ways(task, burst_supports(task, shapes)), method)
+    return polish(task, *_both_ways(task, bang_off_bang_supports(task, shapes)), method)

@@ -24,7 +24,7 @@ from jaxatt.problems.hands_off.sparse_program import (
     sparse_program,
     with_slacks,
 )
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, Progress, in_chunks
 from jaxatt.runtime.compilation import Routine
 

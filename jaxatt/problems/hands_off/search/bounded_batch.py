@@ -20,7 +20,8 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.batch import Form, Lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, Progress, in_chunks
 
 DECIDE = BoundedReweighting()

@@ -16,12 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.problems.hands_off.search.bang_off_bang import cheapest_bursts, try_bursts
+from jaxatt.problems.hands_off.search.bang_off_bang import cheapest_bursts, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
 from jaxatt.problems.hands_off.search.starts import draw
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 
 _IMPROVED = 2
 _LONGEST_BURST = 24
@@ -78,7 +79,7 @@ def _rescued(task: Task, method: MakeMethod) -> list[Candidates]:
     """Bursts at both ends, longer and longer until some arrive."""
     size = 2
     while size <= task.intervals:
-        tried = try_bursts(task, size, method("l0", "trying bursts at both ends"))
+        tried = try_bang_off_bang(task, size, method("l0", "trying bursts at both ends"))
         if tried.verdict.reached.any():
             return [tried.pick(np.flatnonzero(tried.verdict.reached))]
         size = max(size + 1, round(1.3 * size))
@@ -93,7 +94,7 @@ def _shortened(task: Task, pool: Candidates, method: MakeMethod) -> Candidates:
     size = int(best.rank[0, 1]) - 1
     found: Candidates | None = None
     while size > 0:
-        tried = try_bursts(task, size, method("l0", "trying fewer intervals"))
+        tried = try_bang_off_bang(task, size, method("l0", "trying fewer intervals"))
         if not tried.verdict.reached.any():
             break
         found, size = tried.pick(np.flatnonzero(tried.verdict.reached)), size - 1

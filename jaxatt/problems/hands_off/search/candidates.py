@@ -9,7 +9,9 @@ import numpy.typing as npt
 
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.task import Floats, Task, Verdict
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from jaxatt.optimize.reweighting.condensed import Reweighting
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
 from jaxatt.problems.hands_off.search.polish import SCREENING, SETTLED, Method, polish, reweight
-from jaxatt.problems.hands_off.task import Flags, Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Flags, Floats
 
 _FROM_REST = Reweighting(deciding=0, settling=10)
 _PER_CALL = 4096

@@ -14,11 +14,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from jaxatt.optimize.reweighting.support import Mask, neighbours
-from jaxatt.problems.hands_off.search.bang_off_bang import burst_supports
+from jaxatt.problems.hands_off.search.bang_off_bang import bang_off_bang_supports
 from jaxatt.problems.hands_off.search.candidates import support_of
-from jaxatt.problems.hands_off.search.dilated import dilate
 from jaxatt.problems.hands_off.search.polish import SCREENING, Method, polish
 from jaxatt.problems.hands_off.search.time_cost import Ledger, Offer, Rebuild, cheaper
+from jaxatt.problems.hands_off.search.time_dilation import dilate_time
 from jaxatt.problems.hands_off.task import Task
 
 TOLERANCE = 1e-4
@@ -43,7 +43,7 @@ def shorten(offer: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> O
     """
     support = support_of(offer.task, offer.answer.controls[0])
     good, bad = _bisected(offer, 0.0, NEAR, support, rebuild, method, ledger)
-    least = dilate(good, rebuild, ledger) if support.any() else None
+    least = dilate_time(good, rebuild, ledger) if support.any() else None
     if least is not None and least.cost <= good.cost:
         return least
     return _bisected(good, bad, TOLERANCE, support, rebuild, method, ledger)[0]
@@ -157,7 +157,7 @@ def _changed(task: Task, support: Mask) -> list[Mask]:
     if task.shared:
         sizes = range(1, int(allowed.sum()) + 1)
         shapes = [(size - last, last) for size in sizes for last in _halves(size)]
-        found += list(burst_supports(task, shapes))
+        found += list(bang_off_bang_supports(task, shapes))
     return found
 
 

@@ -17,7 +17,9 @@ from jaxatt.problems.hands_off.search.candidates import Candidates, better, join
 from jaxatt.problems.hands_off.search.polish import Method, polish
 from jaxatt.problems.hands_off.search.search import Found, chosen, search
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Floats, Task, Verdict
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
 _ROUNDS = 3
@@ -32,13 +34,13 @@ class Limited:
     """Outcome.
 
     task : as it was searched in the end.  found : what was found.
-    guard : (m + 1,), by how much limits were taken stricter than they are: cones [rad], then the
-        rates, as a share; None where the search did not need them.
+    constraint_margin : (m + 1,), by how much limits were taken stricter than they are: cones [rad],
+        then the rates, as a share; None where the search did not need them.
     """
 
     task: Task
     found: Found
-    guard: Floats | None
+    constraint_margin: Floats | None
 
 
 def search_within_limits(
@@ -58,17 +60,17 @@ def search_within_limits(
         return last
     outcomes = [last]
     for speeds in _speed_limits_tried(task):
-        guard = np.zeros(len(task.pointing.cones) + 1) if task.pointing else None
-        enforced = task.enforcing(guard, speeds)
+        constraint_margin = np.zeros(len(task.pointing.cones) + 1) if task.pointing else None
+        enforced = task.enforcing(constraint_margin, speeds)
         found = search(enforced, count, seed, guess, inner, report)
-        outcomes.append(Limited(enforced, found, guard))
+        outcomes.append(Limited(enforced, found, constraint_margin))
         for _ in range(_ROUNDS):
-            guard = _grown(outcomes[-1])
-            if guard is None:
+            constraint_margin = _grown(outcomes[-1])
+            if constraint_margin is None:
                 break
-            enforced = task.enforcing(guard, speeds)
+            enforced = task.enforcing(constraint_margin, speeds)
             found = _polished_again(enforced, found, inner)
-            outcomes.append(Limited(enforced, found, guard))
+            outcomes.append(Limited(enforced, found, constraint_margin))
         if _violating(outcomes[-1]) is None:
             break
     # A guard may cost an answer that the round before it found.
@@ -94,7 +96,7 @@ def _speed_limits_tried(task: SlewTask) -> Iterator[bool]:
     """Whether wheel speeds, which ask for more states, are enforced too: first without."""
     if task.pointing:
         yield False
-    if task.has_speed_limits and not task.form.propelled:
+    if task.has_speed_limits and not task.form.has_thrusters:
         yield True
 
 
@@ -132,10 +134,10 @@ def _polished_again(task: SlewTask, found: Found, inner: str) -> Found:
 
 def _grown(outcome: Limited) -> Floats | None:
     """The guard that what would be the answer asks for; None where there is no need or no use."""
-    first, task, guard = _violating(outcome), outcome.task, outcome.guard
-    if first is None or guard is None or not isinstance(task, SlewTask):
+    first, task, constraint_margin = _violating(outcome), outcome.task, outcome.constraint_margin
+    if first is None or constraint_margin is None or not isinstance(task, SlewTask):
         return None
     excess = task.watch(task.fly(first.controls)).excess[0]
     if not excess.max() > 0.0 or excess.max() > _LITTLE:
         return None
-    return guard + np.where(excess > 0.0, _BEYOND * excess, 0.0)
+    return constraint_margin + np.where(excess > 0.0, _BEYOND * excess, 0.0)

@@ -17,8 +17,8 @@ from jax import Array
 
 from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.slew.thruster_response import propelled_rows
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.problems.hands_off.slew.thruster_response import thruster_rows
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, in_chunks
 
 Bits = npt.NDArray[np.bool_]
@@ -34,7 +34,7 @@ _ROUNDS = 40
 def _ends(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     """Terminal errors (S, 6) of scaled controls (S, N, b)."""
     last = jnp.moveaxis(u, 0, -1)
-    return jax.vmap(lambda one: propelled_rows(one, p, form), in_axes=-1)(last)
+    return jax.vmap(lambda one: thruster_rows(one, p, form), in_axes=-1)(last)
 
 
 def nearest_pattern(task: SlewTask, u: Floats, sign: float, seed: int) -> Floats:

@@ -26,7 +26,8 @@ from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, jo
 from jaxatt.problems.hands_off.search.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.problems.hands_off.search.starts import Starts
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, Progress
 
 HOMOTOPY = Schedule(

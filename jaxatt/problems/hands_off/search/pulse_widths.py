@@ -13,8 +13,8 @@ from jaxatt.attitude import quaternion
 from jaxatt.optimize.reweighting.bounded import bounded_step
 from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.slew.thruster_response import propelled_response, terminal_errors
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.problems.hands_off.slew.thruster_response import terminal_errors, thruster_response
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.pulses import Pulses, anchors, place
 
 _ITERATIONS = 12
@@ -30,7 +30,7 @@ def _correction(
     u: Array, rows: Array, lower: Array, upper: Array, d: Array, p: SlewParameters, form: SlewForm
 ) -> Array:
     """Smallest change (N, b) of scaled controls that takes rows (6,) away, between limits."""
-    _, jacobian = propelled_response(u, p, form)
+    _, jacobian = thruster_response(u, p, form)
     flat = jnp.swapaxes(jacobian, 0, 1).reshape(1, rows.shape[0], -1)
     weights = d.reshape(1, -1)
     slack = _HARD * jnp.sum(flat**2 * weights[:, None], axis=-1)

@@ -15,8 +15,8 @@ import numpy as np
 from jaxatt.problems.hands_off.search.on_off_search import nearest_pattern
 from jaxatt.problems.hands_off.search.pulse_widths import pulses_of, solve_widths
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Flags, Floats
 from jaxatt.problems.pointing.watch import Extreme
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.simulation.flight import Trajectory
 from jaxatt.simulation.pulses import Pulses, overlaps, partly_open
 
@@ -77,7 +77,7 @@ def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
     extremes: tuple[Extreme, ...] = ()
     if task.watches:
         one = jax.tree.map(lambda leaf: leaf[None], flown)
-        extremes = task.watch(one).extremes(task.lookout.elapsed)
+        extremes = task.watch(one).extremes(task.path_monitor.elapsed)
     arrived = all(error <= task.tolerances[name] for name, error in found.items())
     wheels = np.any(np.abs(pulses.wheel_torque) > task.threshold, axis=1)
     return Quantised(

@@ -21,7 +21,8 @@ from jaxatt.problems.hands_off.search.enumeration import from_pairs
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
 from jaxatt.problems.hands_off.search.starts import draw
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
 _IMPROVED = 2
@@ -41,7 +42,7 @@ class Found:
     best: Candidates
     reaching: Candidates | None
     distinct_minima: int
-    resting_cost: float | None = None
+    do_nothing_cost: float | None = None
 
 
 def search(
@@ -108,15 +109,15 @@ def search(
 def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
     """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
     reached_first = task.goal.terminal == "reach"
-    resting_cost = None
+    do_nothing_cost = None
     if not reached_first:
         resting = _resting(task)
-        resting_cost = float(resting.rank[0, 0])
+        do_nothing_cost = float(resting.rank[0, 0])
         pool = join(pool, resting)
     best = pool.pick(pool.order(reached_first)[0])
     first = pool.pick(pool.order(True)[0])
     reaching = first if bool(first.verdict.reached[0]) else None
-    return Found(starts, best, reaching, _distinct(task, starts), resting_cost)
+    return Found(starts, best, reaching, _distinct(task, starts), do_nothing_cost)
 
 
 def look(task: Task, count: int, seed: int) -> Candidates:

@@ -9,7 +9,8 @@ import numpy as np
 
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.candidates import Candidates
-from jaxatt.problems.hands_off.task import Floats, Task
+from jaxatt.problems.hands_off.task import Task
+from jaxatt.runtime.arrays import Floats
 
 Rebuild = Callable[[Task, float], Task]
 """(task, final time [s]) -> the same task on a grid that ends then."""

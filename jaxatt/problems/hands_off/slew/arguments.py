@@ -14,9 +14,10 @@ from jaxatt.environment.table import Environment, EnvironmentTable
 from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.mounting import Mounting
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
-from jaxatt.problems.hands_off.task import Flags, Floats, Goal
-from jaxatt.problems.manoeuvre import Aim, Passage
+from jaxatt.problems.hands_off.task import Goal
+from jaxatt.problems.manoeuvre import Target, Waypoint
 from jaxatt.problems.pointing.cones import NO_POINTING, PointingPath
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.momentum_model import BodyParameters
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
@@ -57,8 +58,8 @@ def slew_parameters(
     mounting: Mounting,
     beginning: Beginning,
     table: EnvironmentTable,
-    aim: Aim,
-    passage: Passage | None,
+    target: Target,
+    waypoint: Waypoint | None,
     step: float,
     form: SlewForm,
     pointing: PointingPath = NO_POINTING,
@@ -69,19 +70,19 @@ def slew_parameters(
     """
     wheels, m = craft.wheels, mounting
     start, first = beginning.state, np.asarray(beginning.state.q_ob)
-    reference = _nearer(np.asarray(aim.q_ob), first)
-    waypoint = reference if passage is None else _nearer(np.asarray(passage.q_ob), first)
+    reference = _nearer(np.asarray(target.q_ob), first)
+    passed = reference if waypoint is None else _nearer(np.asarray(waypoint.q_ob), first)
     inverse_inertia = np.linalg.inv(np.asarray(craft.inertia_without_spin))
     # Not jnp.asarray, which compiles a program for each shape.
     return SlewParameters(
         body=BodyParameters(jax.device_put(craft.inertia), jax.device_put(inverse_inertia)),
         table=table,
         start=jax.device_put(np.concatenate([beginning.q_ib, start.omega_ib])),
-        momentum=beginning.momentum if form.propelled else beginning.momentum_i,
+        momentum=beginning.momentum if form.has_thrusters else beginning.momentum_i,
         reference=jax.device_put(reference),
-        reference_rate=jax.device_put(aim.omega_ob),
-        waypoint=jax.device_put(waypoint),
-        waypoint_node=jax.device_put(1 if passage is None else passage.node),
+        reference_rate=jax.device_put(target.omega_ob),
+        waypoint=jax.device_put(passed),
+        waypoint_node=jax.device_put(1 if waypoint is None else waypoint.node),
         to_body=jax.device_put(m.to_body * m.scale),
         to_external=jax.device_put(m.to_external * m.scale),
         to_wheels=jax.device_put(m.to_wheel * m.scale / np.asarray(wheels.torque_limit)[:, None]),
@@ -113,7 +114,7 @@ def slew_arguments(
     """
     m, scale = mounting, mounting.scale
     effort_map = m.to_body * scale / scale.max()
-    if form.propelled:
+    if form.has_thrusters:
         # Each actuator pays for itself: the torques of opposed thrusters must not cancel.
         pushes = np.abs(m.to_body + m.to_external).sum(axis=0)
         effort_map = np.diag(pushes * scale / scale.max())

@@ -56,7 +56,7 @@ def _cross_matrix(v: Array) -> Array:
 def slew_derivatives(
     form: SlewForm,
 ) -> Callable[[Array, Array, Array, object, SparseArguments], Array]:
-    """What a `StagedProgram` calls `linearise`, for a slew of this form."""
+    """What a `OptimalControlProgram` calls `linearise`, for a slew of this form."""
 
     def derivatives(
         x: Array, u: Array, x_next: Array, stage: object, args: SparseArguments

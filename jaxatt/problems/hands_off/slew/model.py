@@ -72,7 +72,7 @@ class SlewForm:
     """What is compiled in: which terms a slew has.
 
     gyroscopic : whether the total momentum is so large that `pulse_equations` does not hold.
-    propelled : whether thrusters act, which change the total momentum.
+    has_thrusters : whether thrusters act, which change the total momentum.
     pointed : whether cones or rate limits are enforced.
     """
 
@@ -80,7 +80,7 @@ class SlewForm:
     has_waypoint: bool = False
     speed_limited: bool = False
     gyroscopic: bool = False
-    propelled: bool = False
+    has_thrusters: bool = False
     pointed: bool = False
 
     @property

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.problems.hands_off.task import Floats
+from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.vehicle import Spacecraft
 
 

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.environment.table import Environment
-from jaxatt.optimize.optimal_control import StagedProgram
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.hands_off.slew.derivatives import slew_derivatives
 from jaxatt.problems.hands_off.slew.model import (
     SlewForm,
@@ -85,7 +85,7 @@ def _speed_margins(x: Array, p: SlewParameters) -> Array:
 
 
 @functools.cache
-def slew_stages(form: SlewForm, size: int) -> StagedProgram:
+def slew_stages(form: SlewForm, size: int) -> OptimalControlProgram:
     """The slew with `size` controls an interval and without a cost; its arguments are sparse ones.
 
     The waypoint is an equality whose weight is zero at all other nodes.
@@ -150,7 +150,7 @@ def slew_stages(form: SlewForm, size: int) -> StagedProgram:
         last = jnp.where(args.plant.waypoint_node == count, args.row_weight[6:], 0.0)
         return jnp.concatenate([args.row_weight[:6], last])
 
-    program = StagedProgram(
+    program = OptimalControlProgram(
         start=start,
         stages=stages,
         dynamics=dynamics,

@@ -21,7 +21,7 @@ from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
 from jaxatt.problems.hands_off.slew.response import slew_response
 from jaxatt.problems.hands_off.slew.stages import slew_stages
 from jaxatt.problems.hands_off.slew.thruster_path import path_response
-from jaxatt.problems.hands_off.slew.thruster_response import propelled_response, propelled_rows
+from jaxatt.problems.hands_off.slew.thruster_response import thruster_response, thruster_rows
 from jaxatt.problems.hands_off.sparse_program import SparseSystem
 
 
@@ -39,14 +39,14 @@ def _stretched(p: SlewParameters, ratio: Array) -> SlewParameters:
 @functools.cache
 def slew_system(form: SlewForm) -> SparseSystem:
     """The slew as a system for sparse control, with the terms of `form` compiled in."""
-    if form.propelled:
+    if form.has_thrusters:
         return SparseSystem(
-            rows=lambda u, p: propelled_rows(u, p, form),
+            rows=lambda u, p: thruster_rows(u, p, form),
             margins=lambda u, p: jnp.zeros((0,), u.dtype),
             stage_margins=bound_margins,
             turned=lambda p, sign: replace(p, reference=p.reference * sign),
             stretched=_stretched,
-            response=lambda u, p: propelled_response(u, p, form),
+            response=lambda u, p: thruster_response(u, p, form),
             bounds=lambda p: (p.lower, p.upper),
             path=(lambda u, p: path_response(u, p, form)) if form.pointed else None,
             label=repr(form),

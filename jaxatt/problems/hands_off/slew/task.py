@@ -19,17 +19,19 @@ from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.hands_off.slew.mounting import mounting
 from jaxatt.problems.hands_off.slew.system import slew_system
-from jaxatt.problems.hands_off.task import Flags, Floats, Goal, Task, Verdict
+from jaxatt.problems.hands_off.task import Goal, Task
 from jaxatt.problems.manoeuvre import (
-    Aim,
-    Departure,
     Grid,
-    Passage,
+    InitialState,
+    Target,
+    Waypoint,
     automatic_substeps,
     long_way_probability,
 )
 from jaxatt.problems.pointing.case import FREE, Pointing
-from jaxatt.problems.pointing.watch import Lookout, Watch
+from jaxatt.problems.pointing.watch import ObservedPath, PathMonitor
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import CHUNK, in_chunks
 from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -69,9 +71,9 @@ _COARSE_PIECES = 4
 
 
 class SlewTask(Task):
-    """One slew, or one leg of several.
+    """One slew, or one phase of several.
 
-    craft : vehicle.  departure, aim, passage : where it begins, ends and passes.
+    craft : vehicle.  initial_state, target, waypoint : where it begins, ends and passes.
     axes : "body" or "wheels", the axes of the decision variables.
     weight : (N,), h_k.  forbidden : (N,), intervals without torque.
     enforce_speed_limits : False to leave wheel speed limits to the verdict, which always has them.
@@ -84,19 +86,19 @@ class SlewTask(Task):
         self,
         craft: Spacecraft,
         surroundings: Surroundings,
-        departure: Departure,
-        aim: Aim,
+        initial_state: InitialState,
+        target: Target,
         grid: Grid,
         goal: Goal,
         weight: Floats,
         forbidden: Flags,
-        passage: Passage | None = None,
+        waypoint: Waypoint | None = None,
         axes: str = "body",
         enforce_speed_limits: bool = True,
         pointing: Pointing = FREE,
     ):
-        self.craft, self.departure, self.aim, self.goal = craft, departure, aim, goal
-        self.grid, self.passage, self.axes = grid, passage, axes
+        self.craft, self.initial_state, self.target, self.goal = craft, initial_state, target, goal
+        self.grid, self.waypoint, self.axes = grid, waypoint, axes
         self.intervals, self.step = grid.intervals, grid.step
         substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
         fine = substeps * int(np.ceil(MINIMUM_SUBSTEPS / substeps))
@@ -105,23 +107,25 @@ class SlewTask(Task):
         )
         self.substeps = substeps
         first = jax.tree.map(lambda leaf: leaf[0], self.table.nodes)
-        beginning = begin(craft, departure.q_ob, departure.omega_ob, departure.omega_bw, first)
+        beginning = begin(
+            craft, initial_state.q_ob, initial_state.omega_ob, initial_state.omega_bw, first
+        )
         self.start = beginning.state
         self.pointing = pointing
-        self.guard: Floats | None = None
+        self.constraint_margin: Floats | None = None
         self.judges_path = True
-        self.lookout = Lookout(self.table, pointing, grid.start_time)
+        self.path_monitor = PathMonitor(self.table, pointing, grid.start_time)
         self.mounting = mounting(craft, axes)
         self.scale = self.mounting.scale
         self.size = len(self.scale)
         form = SlewForm(
             disturbed=bool(surroundings.gravity_gradient) or bool(surroundings.sine_amplitude),
-            has_waypoint=passage is not None,
+            has_waypoint=waypoint is not None,
             speed_limited=enforce_speed_limits
             and self.has_speed_limits
             and craft.thrusters.count == 0,
             gyroscopic=self._gyroscopic_turn(beginning.momentum) > _SMALL_GYROSCOPIC_TURN,
-            propelled=craft.thrusters.count > 0,
+            has_thrusters=craft.thrusters.count > 0,
         )
         self.form, self.system = form, slew_system(form)
         if goal.terminal == "penalty":
@@ -134,26 +138,27 @@ class SlewTask(Task):
             self.mounting,
             beginning,
             coarsen(self.table, self.intervals, substeps),
-            aim,
-            passage,
+            target,
+            waypoint,
             grid.step,
             form,
         )
         self.arguments = slew_arguments(plant, self.mounting, goal, weight, forbidden, form, axes)
 
-    def enforcing(self, guard: Floats | None, speeds: bool) -> SlewTask:
+    def enforcing(self, constraint_margin: Floats | None, speeds: bool) -> SlewTask:
         """The same slew with path constraints in the way of the search, not left to the verdict.
 
-        guard : (m + 1,), how much stricter cones [rad] and rates (a share) are taken than they are;
-        None leaves them to the verdict.  speeds : whether wheel speed limits are enforced.
+        constraint_margin : (m + 1,), how much stricter cones [rad] and rates (a share) are taken
+        than they are; None leaves them to the verdict.  speeds : whether wheel speed limits are
+        enforced.
         """
         other = copy.copy(self)
-        other.guard = guard
-        speeds = speeds and self.has_speed_limits and not self.form.propelled
-        other.form = replace(self.form, speed_limited=speeds, pointed=guard is not None)
+        other.constraint_margin = constraint_margin
+        speeds = speeds and self.has_speed_limits and not self.form.has_thrusters
+        other.form = replace(self.form, speed_limited=speeds, pointed=constraint_margin is not None)
         other.system = slew_system(other.form)
-        if guard is not None:
-            path = self.pointing.path(self.lookout.at_nodes(self.intervals), guard)
+        if constraint_margin is not None:
+            path = self.pointing.path(self.path_monitor.at_nodes(self.intervals), constraint_margin)
             plant = replace(self.arguments.plant, pointing=path)
             other.arguments = replace(self.arguments, plant=plant)
         return other
@@ -172,7 +177,7 @@ class SlewTask(Task):
     @property
     def has_path_limits(self) -> bool:
         """Whether anything but the controls is limited on the way."""
-        return bool(self.pointing) or (self.has_speed_limits and not self.form.propelled)
+        return bool(self.pointing) or (self.has_speed_limits and not self.form.has_thrusters)
 
     @property
     def has_speed_limits(self) -> bool:
@@ -217,9 +222,9 @@ class SlewTask(Task):
 
     def fly(self, controls: Floats) -> Trajectory:
         """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
-        start, craft, every = self.start, self.craft, self.lookout.every
+        start, craft, every = self.start, self.craft, self.path_monitor.every
         watched = self.watches
-        table = self.lookout.fine if watched else self.table
+        table = self.path_monitor.fine if watched else self.table
         torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
         if watched:
             torque = np.repeat(torque, every, axis=1)
@@ -232,8 +237,8 @@ class SlewTask(Task):
 
     def begin_verifying(self, pool: Executor) -> None:
         """Compile ahead what `fly` runs."""
-        every = self.lookout.every if self.watches else 1
-        table = self.lookout.fine if self.watches else self.table
+        every = self.path_monitor.every if self.watches else 1
+        table = self.path_monitor.fine if self.watches else self.table
         torque = np.zeros((CHUNK, self.intervals * every, self.craft.actuators))
         _fly_many.begin(pool, self.craft, self.start, torque, table)
 
@@ -245,7 +250,11 @@ class SlewTask(Task):
         table, pieces = self.table, _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS
         watched = self.watches and not coarse
         if watched:
-            pulses, table, pieces = split(pulses, self.lookout.every), self.lookout.fine, 1
+            pulses, table, pieces = (
+                split(pulses, self.path_monitor.every),
+                self.path_monitor.fine,
+                1,
+            )
         flown: Trajectory = _fly_pulses(
             self.craft,
             self.start,
@@ -256,29 +265,29 @@ class SlewTask(Task):
             pieces,
         )
         flown = jax.tree.map(np.asarray, flown)
-        return at_nodes(flown, self.lookout.every) if watched else flown
+        return at_nodes(flown, self.path_monitor.every) if watched else flown
 
     @property
     def tolerances(self) -> dict[str, float]:
         """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
-        return {"attitude": self.aim.attitude_tolerance, "rate": self.aim.rate_tolerance}
+        return {"attitude": self.target.attitude_tolerance, "rate": self.target.rate_tolerance}
 
     def end_errors(self, q_ob: Floats | Array, omega_ob: Floats | Array) -> dict[str, Floats]:
         """Errors (S,) of flights (S, nodes, ...) at the end of the horizon, as `tolerances`."""
         end = self.intervals
         return {
-            "attitude": _compared(self.aim.q_ob, q_ob[:, end])[0],
-            "rate": np.linalg.norm(omega_ob[:, end] - self.aim.omega_ob, axis=-1),
+            "attitude": _compared(self.target.q_ob, q_ob[:, end])[0],
+            "rate": np.linalg.norm(omega_ob[:, end] - self.target.omega_ob, axis=-1),
         }
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
         """Errors of a flight at the end of the horizon and at the waypoint."""
         end = self.intervals
         found, tolerances = self.end_errors(flown.q_ob, flown.omega_ob), self.tolerances
-        if self.passage is not None:
-            q = flown.q_ob[:, self.passage.node]
-            found["waypoint"] = _compared(self.passage.q_ob, q)[0]
-            tolerances["waypoint"] = self.passage.tolerance
+        if self.waypoint is not None:
+            q = flown.q_ob[:, self.waypoint.node]
+            found["waypoint"] = _compared(self.waypoint.q_ob, q)[0]
+            tolerances["waypoint"] = self.waypoint.tolerance
         wheels, thrusters = self.craft.wheels, self.craft.thrusters
         wheel, thrust = self.wheel_torque(controls), self.thrust(controls)
         excess = np.concatenate(
@@ -310,27 +319,27 @@ class SlewTask(Task):
         pushes = np.abs(self.mounting.to_external).sum(axis=0)
         return np.asarray((wheels + (np.abs(controls) @ pushes).sum(axis=-1)) * self.step)
 
-    def watch(self, flown: Trajectory) -> Watch:
+    def watch(self, flown: Trajectory) -> ObservedPath:
         """Cones and rates along flights (S, ...), between the nodes too, to the horizon's end."""
-        return self.lookout.watch(flown, self.intervals)
+        return self.path_monitor.watch(flown, self.intervals)
 
     def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
         """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""
         w, end = self.goal.weights, self.intervals
-        rate = flown.omega_ob[:, end] - self.aim.omega_ob
+        rate = flown.omega_ob[:, end] - self.target.omega_ob
         parts = {
             "rate": w.rate * np.sum(rate**2, axis=-1),
-            "attitude": w.attitude * _compared(self.aim.q_ob, flown.q_ob[:, end])[1],
+            "attitude": w.attitude * _compared(self.target.q_ob, flown.q_ob[:, end])[1],
         }
-        if self.passage is not None:
-            q = flown.q_ob[:, self.passage.node]
-            parts["waypoint"] = w.waypoint * _compared(self.passage.q_ob, q)[1]
+        if self.waypoint is not None:
+            q = flown.q_ob[:, self.waypoint.node]
+            parts["waypoint"] = w.waypoint * _compared(self.waypoint.q_ob, q)[1]
         if self.goal.kind == "l1":
             parts["l1"] = w.sparsity * self.slack_sum(controls)
         else:
             weight = np.asarray(self.arguments.weight)
             parts["sparsity"] = w.sparsity * support_cost(controls, self.goal, weight)
-        if self.form.propelled and w.on_off > 0.0:
+        if self.form.has_thrusters and w.on_off > 0.0:
             limit = np.asarray(self.craft.thrusters.torque_limit)
             parts["on_off"] = w.on_off * partly_open(
                 controls, self.thrust(controls), limit, self.goal
@@ -339,8 +348,8 @@ class SlewTask(Task):
 
     def long_way_probability(self) -> float:
         """See `slew_case.long_way_probability`."""
-        turn = np.asarray(_turn(self.start.q_ob, self.aim.q_ob))
-        rate, duration = self.departure.omega_ob, self.intervals * self.step
+        turn = np.asarray(_turn(self.start.q_ob, self.target.q_ob))
+        rate, duration = self.initial_state.omega_ob, self.intervals * self.step
         return long_way_probability(turn, rate, duration)
 
 

@@ -14,7 +14,7 @@ from jax import Array, lax
 from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.pointing_path import node_margins
 from jaxatt.problems.hands_off.slew.stages import retract
-from jaxatt.problems.hands_off.slew.thruster_response import Row, fly_propelled, through_interval
+from jaxatt.problems.hands_off.slew.thruster_response import Row, fly_thrusters, through_interval
 from jaxatt.simulation.momentum_model import Components
 
 _PARTS = 3
@@ -42,7 +42,7 @@ def _worst(margins: Array, count: int) -> tuple[Array, Array]:
 
 def path_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
     """Worst margins (K,) under scaled controls u (N, b), and their derivatives (N, K, b)."""
-    _, nodes = fly_propelled(u, p, form)
+    _, nodes = fly_thrusters(u, p, form)
     limits, toward = p.pointing.limits, p.pointing.directions[1:]
 
     def margins(x: Array, directions: Array) -> Array:

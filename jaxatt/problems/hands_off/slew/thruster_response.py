@@ -36,7 +36,7 @@ def body_torques(u: Array, p: SlewParameters) -> Array:
     return torque
 
 
-def fly_propelled(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Components, Array]:
+def fly_thrusters(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Components, Array]:
     """Roll-out of scaled controls: the state (10) at the last node and at 1 to N, (N, 10)."""
     start = tuple(p.start[i] for i in range(7)) + tuple(p.momentum[i] for i in range(3))
     return external_model.rollout(start, body_torques(u, p), p.table, p.body, form.disturbed)
@@ -71,15 +71,15 @@ def terminal_errors(q: Array, omega: Array, p: SlewParameters) -> Array:
     return jnp.concatenate([_attitude_row(_attitude_error(q, p)), rate_row(q, omega, p)])
 
 
-def propelled_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
+def thruster_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     """Terminal errors of scaled controls, (6,)."""
-    end, _ = fly_propelled(u, p, form)
+    end, _ = fly_thrusters(u, p, form)
     return terminal_errors(jnp.stack(end[:4]), jnp.stack(end[4:7]), p)
 
 
-def propelled_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
+def thruster_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
     """Terminal errors (6,) and their derivatives (N, 6, b) for scaled controls u (N, b)."""
-    end, nodes = fly_propelled(u, p, form)
+    end, nodes = fly_thrusters(u, p, form)
     history = jnp.concatenate([jnp.concatenate([p.start, p.momentum])[None], nodes])
     rows = terminal_errors(jnp.stack(end[:4]), jnp.stack(end[4:7]), p)
     slope = _attitude_slope(_attitude_error(jnp.stack(end[:4]), p))

@@ -13,11 +13,11 @@ from jax import Array
 
 from jaxatt.optimize.augmented_lagrangian.inner import inner_minimiser
 from jaxatt.optimize.augmented_lagrangian.solver import Schedule, Solution, solve
+from jaxatt.problems.hands_off.least_time_program import controls_of, least_time_program, log_ratio
 from jaxatt.problems.hands_off.search.candidates import evaluate, support_of
 from jaxatt.problems.hands_off.search.polish import SLACK
 from jaxatt.problems.hands_off.search.time_cost import Ledger, Offer, Rebuild
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
-from jaxatt.problems.hands_off.time_dilation import controls_of, least_time_program, log_ratio
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 
 _ROUNDS = 6
@@ -34,7 +34,7 @@ def _least_time(
     return solve(program, x, placed, schedule, inner_minimiser("gauss-newton"))
 
 
-def dilate(offer: Offer, rebuild: Rebuild, ledger: Ledger) -> Offer | None:
+def dilate_time(offer: Offer, rebuild: Rebuild, ledger: Ledger) -> Offer | None:
     """The same support at its least final time, or None where that was not found or forbidden.
 
     The programme is solved again, with tables of the final time found, until that stays.

@@ -7,7 +7,7 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_task
-from jaxatt.problems.hands_off.time_dilation import controls_of, least_time_program, log_ratio
+from jaxatt.problems.hands_off.least_time_program import controls_of, least_time_program, log_ratio
 
 CASES = {
     "double-integrator": ({}, 1e-13),

@@ -1,0 +1,38 @@
+"""Orbit and known disturbances of a scenario, ready for tabulation."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+
+from jaxatt.environment import MU_EARTH, KeplerianElements
+from jaxatt.environment.table import Surroundings
+from jaxatt.problems.scenario import Orbit, Scenario
+
+
+def elements_of(orbit: Orbit) -> KeplerianElements:
+    """Keplerian elements at time zero."""
+    return KeplerianElements(
+        *(
+            jnp.asarray(value)
+            for value in (
+                orbit.semi_major_axis,
+                orbit.eccentricity,
+                orbit.inclination,
+                orbit.raan,
+                orbit.argument_of_periapsis,
+                orbit.true_anomaly,
+            )
+        )
+    )
+
+
+def surroundings_of(scenario: Scenario) -> Surroundings:
+    """Orbit and known disturbances of a spacecraft's scenario."""
+    orbit, disturbances = scenario.orbit, scenario.disturbances
+    return Surroundings(
+        None if orbit is None else elements_of(orbit),
+        jnp.asarray(MU_EARTH if orbit is None else orbit.gravitational_parameter),
+        jnp.asarray(float(disturbances.gravity_gradient)),
+        jnp.asarray(disturbances.sinusoidal_torque),
+        jnp.asarray(disturbances.sinusoidal_frequency),
+    )

@@ -1,0 +1,26 @@
+"""The orbit frame at the start, the waypoint and the targets of a scenario."""
+
+from __future__ import annotations
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.environment.table import environment_at
+from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.surroundings import surroundings_of
+from jaxatt.scenarios.pointing import Moment
+
+
+def moments_of(scenario: Scenario) -> list[Moment]:
+    """Start, waypoint and targets of a spacecraft's scenario, with the orbit frame then."""
+    horizon, initial, passing = scenario.horizon, scenario.initial, scenario.waypoint
+    asked = [("start", 0.0, initial.q_ob, initial.omega_ob)]
+    if passing is not None:
+        asked.append(("waypoint", passing.time, passing.q_ob, np.zeros(3)))
+    for index, target in enumerate(scenario.targets):
+        label = "target" if len(scenario.targets) == 1 else f"target of leg {index + 1}"
+        asked.append((label, (index + 1) * horizon.duration, target.q_ob, target.omega_ob))
+    times = jnp.asarray([time for _, time, _, _ in asked])
+    around = environment_at(surroundings_of(scenario), times)
+    frames = zip(np.asarray(around.orbit_attitude), np.asarray(around.orbit_rate), strict=True)
+    return [Moment(*known, *frame) for known, frame in zip(asked, frames, strict=True)]
