@@ -35,7 +35,7 @@ from benchmarks.attempts import Attempt, Solve
 from benchmarks.casadi_compiled import compiled_solver
 from benchmarks.cases import scenario_of
 from jaxatt.environment import kepler
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import fly_pd
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.surroundings import surroundings_of
@@ -72,7 +72,7 @@ class Chain:
 
     def __init__(self, case: str):
         scenario = scenario_of(case)
-        task = build_task(scenario)
+        task = build_slew(scenario)
         assert isinstance(task, SlewTask)
         self.task, self.craft = task, task.craft
         around = surroundings_of(scenario)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.task import Task
 from jaxatt.problems.scenario import Scenario
 
@@ -41,4 +41,4 @@ def scenario_of(case: str) -> Scenario:
 
 def task_of(case: str) -> Task:
     """Task of a case; `jax_enable_x64` must be on."""
-    return build_task(scenario_of(case))
+    return build_slew(scenario_of(case))

@@ -41,7 +41,7 @@ from IPython.display import Markdown, display
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import fly_pd
 from jaxatt.report.wording import indices_text
 from jaxatt.studies.comparison import compare
@@ -139,7 +139,7 @@ TARGETS = {  # label: bundled case, intervals of its L0 answer
 
 def cost_of_resting(scenario):
     """The printed objective where no torque is applied at all."""
-    task = build_task(scenario)
+    task = build_slew(scenario)
     _, parts = task.verify(np.zeros((1, task.intervals, task.size)))
     return float(sum(part[0] for part in parts.values()))
 
@@ -268,7 +268,7 @@ printed_designs = printed_rows(single, "5.4")
 third = scenarios.replace(single, {"objective.design": 3})
 designs = {1: studies["hypso1-90-0-0"].results["l0"]}
 designs[2], _ = solve(scenarios.replace(single, {"objective.design": 2}))
-_, parts = build_task(third).verify(designs[2].phases[0].controls[None])
+_, parts = build_slew(third).verify(designs[2].phases[0].controls[None])
 costs = {number: result.phases[0].total_cost for number, result in designs.items()}
 costs[3] = float(sum(part[0] for part in parts.values()))
 rows = []
@@ -320,7 +320,7 @@ printed_guesses = printed_rows(turn, "6.1")
 
 def pd_torque(scenario, clipped=True):
     """Mean body torques of the PD law in each interval, (N, 3) [N m]."""
-    task = build_task(scenario)
+    task = build_slew(scenario)
     flown = fly_pd(task, clipped)
     return flown.wheel_torque[: task.intervals] @ np.asarray(task.craft.wheels.axes).T
 

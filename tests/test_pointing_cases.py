@@ -8,7 +8,7 @@ from references import reflight, wheeled_body
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.studies.baseline import fly_pd_phases
 
@@ -214,7 +214,7 @@ def test_judges_see_between_the_nodes():
     angle = reflight.cone_angle(crossing, boresight, direction)
     assert angle.min() < 0.5 * angle[::PIECES].min()
     half = 0.8 * angle[::PIECES].min()
-    task = build_task(short(keep_out=[keep_out("slit", boresight, direction, half)]))
+    task = build_slew(short(keep_out=[keep_out("slit", boresight, direction, half)]))
     assert isinstance(task, SlewTask)
     verdict, _ = task.verify(plain.phases[0].controls[None])
     assert verdict.arrives.all() and not verdict.reached.any()

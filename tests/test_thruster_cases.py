@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.cli import app
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.report.result import Result
 
@@ -50,7 +50,7 @@ def test_on_off_term_counts_where_thrusters_fire_and_as_printed_it_does_not() ->
     controls[0, :5] = rng.uniform(0.0, 0.0975, (5, 6))
     costs = {}
     for form in ("active", "printed"):
-        task = build_task(
+        task = build_slew(
             scenarios.replace(scenarios.load("eseo-3"), {"objective.on_off_form": form})
         )
         assert isinstance(task, SlewTask)
@@ -61,7 +61,7 @@ def test_on_off_term_counts_where_thrusters_fire_and_as_printed_it_does_not() ->
 
 
 def test_whole_openings_cost_nothing_extra() -> None:
-    task = build_task(scenarios.load("eseo-3"))
+    task = build_slew(scenarios.load("eseo-3"))
     controls = np.zeros((1, 45, 6))
     controls[0, :4, :3] = 0.0975
     assert task.verify(controls)[1]["on_off"][0] == pytest.approx(0.0, abs=1e-9)

@@ -55,8 +55,8 @@ def compare(
 
 def _kind(case: str) -> str:
     """What a name or file describes; a file with laws is a flight."""
+    from jaxatt.problems.reading.documents import read_file
     from jaxatt.scenarios import kind_of
-    from jaxatt.scenarios.documents import read_file
 
     known = kind_of(case)
     if known is not None:

@@ -19,7 +19,7 @@ from rich.table import Table
 
 from jaxatt import scenarios
 from jaxatt.pipeline.solve import solve
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.candidates import support_of
 from jaxatt.problems.hands_off.search.enumeration import (
     Enumerated,
@@ -199,7 +199,7 @@ def certify(
     phases: list[PhaseCertificate] = []
     initial_state: InitialState | None = None
     for index, phase in enumerate(result.phases):
-        task = build_task(
+        task = build_slew(
             result.scenario,
             index,
             initial_state,
@@ -213,7 +213,7 @@ def certify(
 
 
 def _checked(scenario: scenarios.Scenario) -> None:
-    task = build_task(scenario)
+    task = build_slew(scenario)
     if task.system.response is None or (isinstance(task, SlewTask) and task.pointing):
         raise scenarios.ScenarioError(
             f"{scenario.name}: has path constraints (wheel speed limits, cones, limits on the "

@@ -13,14 +13,13 @@ from jaxatt import scenarios
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.environment.table import tabulate
 from jaxatt.pipeline.solve import solve, versions
-from jaxatt.problems.hands_off.build import build_task
-from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.hands_off.build import build_slew
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.surroundings import surroundings_of
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.clock import compile_seconds
 from jaxatt.scenarios.catalog import load_flight
-from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.scenarios.flight_build import Plan, build_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Spread, fly_runs
@@ -110,9 +109,9 @@ def plan_of(flight: FlightScenario, report: Report | None = None) -> Plan:
             f"{where}: its final time is free, so its intervals need not be a multiple of "
             "sampling_s; name a manoeuvre with a fixed final time"
         )
-    task = build_task(scenario)
-    if not isinstance(task, SlewTask) or len(scenario.targets) > 1:
+    if scenario.vehicle is None or len(scenario.targets) > 1:
         raise ScenarioError(f"{where}: only a spacecraft's single manoeuvre can be followed")
+    task = build_slew(scenario)
     period = flight.timing.sampling
     each = round(task.step / period)
     if each < 1 or abs(each * period - task.step) > 1e-9:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import importlib.metadata
 import time
 from collections.abc import Mapping
@@ -13,12 +12,9 @@ import jax
 import jax.numpy as jnp
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
-from jaxatt.problems.hands_off.phase import constraint_margin_notes, phase_record
-from jaxatt.problems.hands_off.phase_search import search_phase
-from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.problems.scenario import TIME_KINDS
-from jaxatt.problems.time_optimal.phase import time_phase
+from jaxatt.problems.family import PhaseStart, SearchOptions
+from jaxatt.problems.hands_off.phase import constraint_margin_notes
+from jaxatt.problems.registry import family_of
 from jaxatt.report.result import Phase, Result
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
@@ -36,14 +32,14 @@ def solve(
     inner: str = "auto",
     report: Report | None = None,
 ) -> Result:
-    """Find the sparsest manoeuvre of a scenario from many starts and fly it again.
+    """Find the best manoeuvre of a scenario from many starts and fly it again with finer steps.
 
     scenario : a `Scenario`, the name of a bundled one or a TOML file.
     objective, terminal, starts, seed : replace the scenario's own settings.
     guess : "pulses" (random), "pd", "l1", or controls (N, b) in the scenario's axes.
     inner : "auto", or an inner minimiser of the augmented Lagrangian, see
-    `jaxatt.optimize.augmented_lagrangian.inner`. report : called by the host with (stage, starts
-    ended) between chunks of work.
+    `jaxatt.optimize.augmented_lagrangian.inner`.
+    report : called by the host with (stage, starts ended) between chunks of work.
 
     Raises `ScenarioError` (a `ValueError`) where the scenario does not make sense.
     """
@@ -64,30 +60,21 @@ def solve(
     if changes:
         scenario = scenarios.replace(scenario, changes)
 
+    family = family_of(scenario)
+    options = SearchOptions(guess, inner)
+    family.check(scenario, options)
     began, compiled = time.perf_counter(), compile_seconds()
     verifying = 0.0
-    do_nothing_cost = 0.0
+    start = PhaseStart()
     phases: list[Phase] = []
-    state: InitialState | None = None
-    if scenario.objective.kind in TIME_KINDS:
-        if not isinstance(guess, str) or (guess, inner) != ("pulses", "auto"):
-            raise ValueError(
-                f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its "
-                "own; leave them out"
-            )
-        phase, verifying = time_phase(scenario, report)
-        phases.append(phase)
-    for index in range(0 if phases else len(scenario.targets)):
-        start_time = sum(phase.final_time for phase in phases)
-        build = functools.partial(
-            build_task, phase=index, initial_state=state, start_time=start_time
-        )
-        task, found, tried = search_phase(scenario, build, guess, inner, report)
-        do_nothing_cost += found.do_nothing_cost or 0.0
+    answers: list[Any] = []
+    for _ in range(family.phases(scenario)):
+        answers.append(family.search(scenario, start, options, report))
         flown = time.perf_counter()
-        phase, state = phase_record(scenario, task, found, start_time, tried)
-        phases.append(phase)
+        phase, end = family.judge(scenario, start, answers[-1])
         verifying += time.perf_counter() - flown
+        phases.append(phase)
+        start = start.following(phase, end)
     total = time.perf_counter() - began
     compiling = compile_seconds() - compiled
     return Result(
@@ -106,9 +93,7 @@ def solve(
             *scenario.notes,
             *(note for phase in phases for note in constraint_margin_notes(phase)),
         ),
-        extra=(
-            {"do_nothing_cost": do_nothing_cost} if scenario.objective.terminal == "penalty" else {}
-        ),
+        extra=family.extra(scenario, answers),
     )
 
 

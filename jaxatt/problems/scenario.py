@@ -13,7 +13,6 @@ from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.spacecraft import Spacecraft
 
 SPACECRAFT = "spacecraft"
-TOY_SYSTEMS = ("double-integrator", "van-der-pol")
 SPARSE_KINDS = ("l0", "moving-l0", "l1")
 TIME_KINDS = ("time-effort", "minimum-time")
 
@@ -108,13 +107,13 @@ class Objective:
     """
 
     kind: str
-    terminal: str
-    design: int
-    epsilon: float
-    rate_weight: float
-    attitude_weight: float
-    sparsity_weight: float
-    waypoint_weight: float
+    terminal: str = "reach"
+    design: int = 1
+    epsilon: float = 1e-8
+    rate_weight: float = 1e6
+    attitude_weight: float = 1e2
+    sparsity_weight: float = 1e1
+    waypoint_weight: float = 1e2
     on_off_weight: float = 0.0
     on_off_form: str = "active"
     time_weight: float = 0.0
@@ -161,7 +160,8 @@ class Scenario:
     Attributes
     ----------
     name, title, source : str
-    system : "spacecraft", "double-integrator" or "van-der-pol"
+    system : "spacecraft", or the name of a toy
+    family : name of the family of problems that it belongs to, see `jaxatt.problems.registry`
     vehicle, orbit
         None for a toy system; without an orbit attitudes are relative to the inertial frame.
     targets : tuple of Target
@@ -172,6 +172,8 @@ class Scenario:
         What was changed while reading, e.g. a quaternion that was normalised.
     transcription : Transcription
         Of `TIME_KINDS` only.
+    options
+        What a family from outside the package reads beyond these.
     pointing
         Cones to keep out of or within, and limits on the body's rate.
     document, origin, folder
@@ -182,21 +184,23 @@ class Scenario:
     title: str
     source: str
     system: str
-    vehicle: Spacecraft | None
-    orbit: Orbit | None
+    family: str
     initial: InitialState
     targets: tuple[Target, ...]
-    waypoint: Waypoint | None
     horizon: Horizon
-    disturbances: Disturbances
-    control: Control
     objective: Objective
-    windows: tuple[Window, ...]
     solver: SolverSettings
-    printed: Mapping[str, Any]
-    notes: tuple[str, ...]
-    document: Mapping[str, Any] = field(repr=False)
-    origin: str = field(repr=False)
-    folder: Path | None = field(repr=False)
+    vehicle: Spacecraft | None = None
+    orbit: Orbit | None = None
+    waypoint: Waypoint | None = None
+    disturbances: Disturbances = Disturbances(False, 0.0, 1.0)
+    control: Control = Control("body", math.inf)
+    windows: tuple[Window, ...] = ()
     transcription: Transcription = Transcription()
     pointing: Pointing = FREE
+    options: Any = None
+    printed: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    document: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    origin: str = field(default="scenario", repr=False)
+    folder: Path | None = field(default=None, repr=False)

@@ -2,9 +2,11 @@
 
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask, window_weights
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
+from jaxatt.problems.reading.attitudes import quaternion_from_angles
+from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.vehicles import load_vehicle, vehicle_names
 from jaxatt.problems.scenario import (
     SPACECRAFT,
-    TOY_SYSTEMS,
     Control,
     Disturbances,
     Horizon,
@@ -15,18 +17,14 @@ from jaxatt.problems.scenario import (
     Transcription,
     Window,
 )
-from jaxatt.scenarios.attitudes import quaternion_from_angles
 from jaxatt.scenarios.bundled import kind_of, names, text, titles
 from jaxatt.scenarios.catalog import load, load_flight
-from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.scenarios.flight_loader import flight_from_mapping, replace_in_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file, replace
-from jaxatt.scenarios.vehicles import load_vehicle, vehicle_names
 
 __all__ = [
     "SPACECRAFT",
-    "TOY_SYSTEMS",
     "Control",
     "Disturbances",
     "FlightScenario",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from importlib import resources
 from importlib.resources.abc import Traversable
 
-from jaxatt.scenarios.documents import parse
-from jaxatt.scenarios.fields import ScenarioError
-from jaxatt.scenarios.schema import nearest
+from jaxatt.problems.reading.documents import parse
+from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.schema import nearest
 
 KINDS = {"manoeuvre": "data", "flight": "flights", "imaging": "imaging"}
 """Folder of every kind: manoeuvres to solve, flights of feedback laws, images of the ground."""

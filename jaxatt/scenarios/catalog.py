@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from jaxatt.problems.reading.documents import parse
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.scenarios.bundled import names, suggestion, text
-from jaxatt.scenarios.documents import parse
-from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.scenarios.flight_loader import flight_from_mapping, load_flight_file
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file

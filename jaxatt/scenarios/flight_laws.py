@@ -16,7 +16,7 @@ from jaxatt.control.sliding_mode import SlidingMode
 from jaxatt.control.super_twisting import SuperTwisting
 from jaxatt.control.surfaces import SURFACES
 from jaxatt.control.tracking import Tracking
-from jaxatt.scenarios.fields import Table
+from jaxatt.problems.reading.fields import Table
 from jaxatt.scenarios.flight_schema import LAW_KEYS
 from jaxatt.spacecraft import Spacecraft
 

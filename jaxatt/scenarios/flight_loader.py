@@ -7,14 +7,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jaxatt.scenarios import flight_tables, manoeuvre, settings
-from jaxatt.scenarios.documents import read_file
-from jaxatt.scenarios.fields import ScenarioError, Table
+from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading.documents import read_file
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.vehicles import read_vehicle
+from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.flight_schema import FLIGHT_TABLES
 from jaxatt.scenarios.loader import assign, plain_values
-from jaxatt.scenarios.vehicles import read_vehicle
 
 
 def load_flight_file(path: str | Path) -> FlightScenario:

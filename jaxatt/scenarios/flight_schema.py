@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from jaxatt.scenarios.schema import ATTITUDE_KEYS, SPACECRAFT_TABLES
+from jaxatt.problems.reading.schema import ATTITUDE_KEYS, SPACECRAFT_TABLES
 
 FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": SPACECRAFT_TABLES["vehicle"],

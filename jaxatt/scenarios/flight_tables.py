@@ -17,9 +17,9 @@ from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.scenario import Orbit
-from jaxatt.scenarios.attitudes import attitude_given, read_attitude
-from jaxatt.scenarios.fields import Table
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
 from jaxatt.simulation.campaign import Spread

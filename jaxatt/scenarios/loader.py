@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 import copy
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.scenario import SPACECRAFT, TIME_KINDS, TOY_SYSTEMS, Scenario
-from jaxatt.scenarios import manoeuvre, settings, time_optimal
-from jaxatt.scenarios.attitudes import replaced_by
-from jaxatt.scenarios.documents import read_file
-from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.free_time import check_free_time
-from jaxatt.scenarios.moments import moments_of
-from jaxatt.scenarios.pointing import check_moments, read_pointing
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES, top_level_keys
-from jaxatt.scenarios.valves import check_thrusters
-from jaxatt.scenarios.vehicles import read_vehicle
-from jaxatt.scenarios.windows import read_windows
-
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]*")
+from jaxatt.problems import registry
+from jaxatt.problems.family import Family
+from jaxatt.problems.reading.attitudes import replaced_by
+from jaxatt.problems.reading.documents import read_file
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.scenario import SPACECRAFT, Scenario
 
 
 def load_file(path: str | Path) -> Scenario:
@@ -51,92 +42,20 @@ def from_mapping(
         Where a vehicle's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    system_names = (SPACECRAFT, *TOY_SYSTEMS)
-    toy = plain.get("system", SPACECRAFT) in TOY_SYSTEMS
-    top = Table(plain, origin, "", top_level_keys(SPACECRAFT_TABLES))
-    system = top.choice("system", system_names, SPACECRAFT)
-    for key in plain:
-        if toy and key not in top_level_keys(TOY_TABLES):
-            raise ScenarioError(f"{origin}: {key}: has no meaning for system = {system}; drop it")
-    for key in ("initial", "horizon") if toy else ("vehicle", "initial", "horizon"):
-        if key not in plain:
-            raise ScenarioError(
-                f"{origin}: [{key}] is missing; `jaxatt scenarios show NAME` prints"
-                " a complete file to start from"
-            )
-    name = top.text("name", Path(origin).stem)
-    if not _NAME.fullmatch(name):
-        top.fail("name", "must serve as a file name", "use letters, digits, '-', '_' and '.'")
-    notes: list[str] = []
-    vehicle = None if toy else read_vehicle(plain["vehicle"], origin, folder, notes)
-    objective = settings.read_objective(plain.get("objective", {}), origin, toy)
-    optimal = objective.kind in TIME_KINDS
-    if optimal:
-        time_optimal.check_time_optimal(plain, origin, notes)
-    horizon = settings.read_horizon(plain["horizon"], origin, optimal)
-    targets = manoeuvre.read_targets(plain, origin, toy, notes)
-    waypoint = None
-    if "waypoint" in plain:
-        if len(targets) > 1 or "legs" in plain:
-            raise ScenarioError(f"{origin}: [waypoint] and [[legs]] are both given; keep one")
-        waypoint = manoeuvre.read_waypoint(plain["waypoint"], origin, horizon, notes)
-    check_free_time(plain, origin, horizon, objective)
-    windows = read_windows(plain.get("windows", []), origin, horizon)
-    if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
-        notes.append("moving-l0 without a cheap window is the same as l0; add [[windows]]")
-    pushed = vehicle is not None and vehicle.thrusters.count > 0
-    if vehicle is not None and "orbit" not in plain and not (pushed or optimal):
-        raise ScenarioError(
-            f"{origin}: [orbit] is missing; `jaxatt scenarios show NAME` prints a complete file to "
-            "start from (only vehicles with thrusters and turns in minimum time may do without, in "
-            "the inertial frame)"
-        )
-    orbit = settings.read_orbit(plain["orbit"], origin) if "orbit" in plain else None
-    disturbances = settings.read_disturbances(plain.get("disturbances", {}), origin)
-    if disturbances.gravity_gradient and orbit is None:
-        raise ScenarioError(
-            f"{origin}: [disturbances] gravity_gradient = true: there is no [orbit]; add one or "
-            "switch the gravity gradient off"
-        )
-    read_control = time_optimal.read_separate_torques if optimal else settings.read_control
-    control = read_control(plain.get("control", {}), origin, vehicle)
-    if vehicle is not None:
-        check_thrusters(plain, origin, vehicle, horizon, objective)
-    initial = manoeuvre.read_initial(plain["initial"], origin, vehicle, notes)
-    if optimal and vehicle is not None:
-        time_optimal.check_storable(origin, vehicle, initial, targets[0])
-    printed = plain.get("printed", {})
-    if not isinstance(printed, dict):
-        top.fail("printed", "is not a table", "write [printed] and its keys below")
-    scenario = Scenario(
-        name=name,
-        title=top.text("title", name),
-        source=top.text("source", "not stated"),
-        system=system,
-        vehicle=vehicle,
-        orbit=orbit,
-        initial=initial,
-        targets=targets,
-        waypoint=waypoint,
-        horizon=horizon,
-        disturbances=disturbances,
-        control=control,
-        objective=objective,
-        windows=windows,
-        solver=settings.read_solver(plain.get("solver", {}), origin),
-        printed=printed,
-        notes=tuple(notes),
-        document=plain,
-        origin=origin,
-        folder=folder,
-        transcription=time_optimal.read_transcription(
-            plain.get("transcription", {}), origin, objective
-        ),
-        pointing=read_pointing(plain, origin, orbit is not None, orbit.days if orbit else None),
-    )
-    if scenario.pointing:
-        check_moments(scenario.pointing, moments_of(scenario), origin)
-    return scenario
+    return _family(plain, origin).read(plain, origin, folder)
+
+
+def _family(document: dict[str, Any], origin: str) -> Family:
+    """The family that answers to a document's system and kind of objective."""
+    keys = tuple(document)
+    system = Table(document, origin, "", keys).choice("system", registry.systems(), SPACECRAFT)
+    objective = document.get("objective", {})
+    families = registry.families_of(system)
+    if not isinstance(objective, dict) or "kind" not in objective:
+        return families[0]
+    table = Table({"kind": objective["kind"]}, origin, "[objective]", ("kind",))
+    kind = table.choice("kind", registry.kinds_of(system), families[0].kinds[0])
+    return next(family for family in families if kind in family.kinds)
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

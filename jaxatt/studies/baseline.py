@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import jax
 import numpy as np
 
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
-from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.arrays import Flags
@@ -37,16 +36,13 @@ def fly_pd_phases(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ..
 
     clipped : whether each wheel's torque is held within its limit.
     """
+    if scenario.vehicle is None:
+        raise ValueError(f"{scenario.name}: the PD law is for spacecraft, not {scenario.system}")
     phases: list[FlownPD] = []
     initial_state: InitialState | None = None
     for index in range(len(scenario.targets)):
-        task = build_task(scenario, index, initial_state)
-        if isinstance(task, SlewTask):
-            task = task.ignoring_path_limits()  # which the law does not know of
-        if not isinstance(task, SlewTask):
-            raise ValueError(
-                f"{scenario.name}: the PD law is for spacecraft, not {scenario.system}"
-            )
+        # Path limits are left out, which the law does not know of.
+        task = build_slew(scenario, index, initial_state).ignoring_path_limits()
         flown = fly_pd(task, clipped)
         end = task.intervals
         initial_state = InitialState(

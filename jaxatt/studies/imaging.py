@@ -18,6 +18,8 @@ from rich.text import Text
 from jaxatt.attitude import quaternion
 from jaxatt.environment import epoch, kepler, orbit
 from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
+from jaxatt.problems.reading.documents import parse
+from jaxatt.problems.reading.fields import Table
 from jaxatt.report.figure import Picture, colour, picture, tidy
 from jaxatt.report.figure import save as save_figure
 from jaxatt.report.files import filling
@@ -25,8 +27,6 @@ from jaxatt.report.rendering import as_text
 from jaxatt.report.summary import write_json
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.bundled import text
-from jaxatt.scenarios.documents import parse
-from jaxatt.scenarios.fields import Table
 from jaxatt.simulation.slew_metrics import footprints, sampling_distance
 
 NAME = "hypso1-imaging"

@@ -16,7 +16,7 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.attitude import errors
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bursts, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import join
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
@@ -175,8 +175,7 @@ def attainable(
     scenario: scenarios.Scenario | str | Path, size: int, report: Report | None = None
 ) -> Attainable:
     """Whether `size` active intervals suffice for the first target of a scenario with thrusters."""
-    task = build_task(_with_thrusters(scenario)).reaching()
-    assert isinstance(task, SlewTask)
+    task = build_slew(_with_thrusters(scenario)).reaching()
     progress = None if report is None else lambda done: report("trying bursts at both ends", done)
     method = Method("l0", progress=progress)
     tried = join(try_bang_off_bang(task, size, method), nearest_bursts(task, size, method))
@@ -214,8 +213,7 @@ def _solved(
     base: scenarios.Scenario, changes: Mapping[str, Any], starts: int, report: Report | None
 ) -> Point:
     scenario = scenarios.replace(base, {**changes, "objective.terminal": "reach"})
-    task = build_task(scenario)
-    assert isinstance(task, SlewTask)
+    task = build_slew(scenario)
     found = search_within_limits(task, starts, scenario.solver.seed, report=report).found
     best, duration = found.best, task.intervals * task.step
     active = int((best.controls[0] > 0.0).any(axis=1).sum())

@@ -7,7 +7,7 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.control.schmitt import SchmittLaw
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.spacecraft.dynamics import AttitudeState
@@ -15,7 +15,7 @@ from jaxatt.spacecraft.dynamics import AttitudeState
 
 @pytest.fixture(scope="module")
 def task() -> SlewTask:
-    task = build_task(scenarios.load("eseo-3"))
+    task = build_slew(scenarios.load("eseo-3"))
     assert isinstance(task, SlewTask)
     return task
 

@@ -10,7 +10,7 @@ import xarray
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.enumeration import (
     classes_up_to,
     enumerate_class,
@@ -54,7 +54,7 @@ def test_the_best_pair_is_the_one_of_least_effort_and_the_answer_has_it(certific
 def test_pairs_said_to_reach_do_so_in_flight_and_others_do_not(certificate):
     (phase,) = certificate.phases
     pairs = phase.equal[0].short
-    task = build_task(certificate.result.scenario)
+    task = build_slew(certificate.result.scenario)
     rng = np.random.default_rng(0)
     for reached in (True, False):
         rows = rng.permutation(np.flatnonzero(pairs.reached == reached))[:16]
@@ -141,7 +141,7 @@ def test_classes_hold_every_support_once():
         scenarios.load("hypso1-90-45-15"),
         {"objective.kind": "moving-l0", "objective.design": 2},
     )
-    task = build_task(scenario)
+    task = build_slew(scenario)
     weight = group_weights(task)
     assert weight.shape == (50, 3)
     classes = classes_up_to(task, 2.0)

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from jaxatt import scenarios
 from jaxatt.environment.sun import sun_direction
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.scenarios import ScenarioError
 
 NAME = "hypso1-90-45-15-keep-out"
@@ -58,7 +58,7 @@ def test_directions_follow_the_orbit_and_the_sun():
         {**CONE, "name": "sun", "toward": "sun", "half_angle_deg": 1.0},
         {**CONE, "name": "star", "direction_inertial": [1.0, 1.0, 0.0], "half_angle_deg": 1.0},
     ]
-    task = build_task(changed(keep_out=cones))
+    task = build_slew(changed(keep_out=cones))
     seen, q = task.path_monitor.directions, np.asarray(task.path_monitor.fine.nodes.orbit_attitude)
     assert seen.shape == (70 * 20 + 1, 3, 3)
     turned = Rotation.from_quat(q[:, [1, 2, 3, 0]]).apply(np.array([1.0, 2.0, 3.0]) / np.sqrt(14))

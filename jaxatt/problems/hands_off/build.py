@@ -5,12 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Goal, Task, Weights
+from jaxatt.problems.hands_off.task import Goal, Weights
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_weights
 from jaxatt.problems.manoeuvre import Grid, InitialState, automatic_substeps
-from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.surroundings import surroundings_of
-from jaxatt.problems.toy.task import ToyTask
 
 
 def goal_of(scenario: Scenario) -> Goal:
@@ -27,14 +26,14 @@ def goal_of(scenario: Scenario) -> Goal:
     return Goal(o.kind, o.terminal, o.design, o.epsilon, weights)
 
 
-def build_task(
+def build_slew(
     scenario: Scenario,
     phase: int = 0,
     initial_state: InitialState | None = None,
     enforce_speed_limits: bool = True,
     final_time: float | None = None,
     start_time: float | None = None,
-) -> Task:
+) -> SlewTask:
     """Task of one phase of a scenario.
 
     phase : index into `scenario.targets`.  initial_state : where the phase begins, by default where
@@ -46,18 +45,6 @@ def build_task(
     """
     horizon, target, goal = scenario.horizon, scenario.targets[phase], goal_of(scenario)
     duration = horizon.duration if final_time is None else final_time
-    if scenario.system != SPACECRAFT:
-        return ToyTask(
-            scenario.system,
-            scenario.initial.state,
-            target.state,
-            horizon.intervals,
-            duration / horizon.intervals,
-            scenario.control.limit,
-            target.state_tolerance,
-            goal,
-            horizon.substeps or 2,
-        )
     assert scenario.vehicle is not None
     surroundings, substeps = surroundings_of(scenario), horizon.substeps
     if horizon.free and substeps is None:

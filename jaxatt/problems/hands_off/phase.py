@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from jaxatt import scenarios
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.hands_off import sparsity
@@ -15,72 +16,53 @@ from jaxatt.problems.hands_off.search.candidates import Candidates
 from jaxatt.problems.hands_off.search.quantise import MODES, quantise
 from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import Flown, Task
+from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask
 from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.problems.toy.task import ToyTask
+from jaxatt.problems.scenario import Scenario
 from jaxatt.report.result import FinalTimes, Phase, PointingRecord, StartsRecord, Valves
 from jaxatt.report.wording import broken_limit, limit_label
 from jaxatt.runtime.arrays import Floats
-from jaxatt.simulation.flight import Trajectory
+
+Fly = Callable[[Any, Floats], Flown]
+"""(task, controls (1, N, b)) -> what an independent flight of them says."""
 
 
 def phase_record(
-    scenario: scenarios.Scenario,
+    scenario: Scenario,
     task: Task,
     found: Found,
     start_time: float,
-    final_times: FinalTimes | None = None,
-) -> tuple[Phase, InitialState | None]:
-    """The best answer of a search as a labelled phase, and where the next phase begins.
+    final_times: FinalTimes | None,
+    fly: Fly,
+) -> tuple[Phase, InitialState]:
+    """The best answer of a search as a labelled phase, and its flown end.
+
+    fly : flies the answer again, see `Fly`.
 
     Where the answer does not reach (as the printed cost may prefer), the best that does reach
     stands beside it.
     """
-    phase, state = _flown_phase(scenario, task, found, found.best, start_time)
+    phase, state = _flown_phase(scenario, task, found, found.best, start_time, fly)
     if not phase.reached and found.reaching is not None:
-        alternative, _ = _flown_phase(scenario, task, found, found.reaching, start_time)
+        alternative, _ = _flown_phase(scenario, task, found, found.reaching, start_time, fly)
         phase = replace(phase, alternative=alternative)
     return replace(phase, final_times=final_times), state
 
 
 def _flown_phase(
-    scenario: scenarios.Scenario,
+    scenario: Scenario,
     task: Task,
     found: Found,
     answer: Candidates,
     start_time: float,
-) -> tuple[Phase, InitialState | None]:
+    fly: Fly,
+) -> tuple[Phase, InitialState]:
     controls = answer.controls
-    window = np.asarray(scenarios.window_mask(scenario))
-    forbidden = np.asarray(scenarios.forbidden_mask(scenario))
-    state = pointing = None
-    if isinstance(task, SlewTask):
-        flown = task.fly(controls)
-        pointing = _pointing(task, flown)
-        verdict, cost = task.judge(flown, controls), task.cost(flown, controls)
-        end = task.intervals
-        state = InitialState(
-            *(np.asarray(part[0, end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
-        )
-        series = {
-            "q_ob": np.asarray(flown.q_ob[0]),
-            "omega_ob": np.asarray(flown.omega_ob[0]),
-            "omega_ib": np.asarray(flown.omega_ib[0]),
-            "omega_bw": np.asarray(flown.omega_bw[0]),
-        }
-        if task.craft.wheels.count:
-            series["torque_body"] = task.body_torque(controls[0])
-            series["torque_wheels"] = task.wheel_torque(controls[0])
-        if task.craft.thrusters.count:
-            series["torque_thrusters"] = task.thrust(controls[0])
-        reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
-        if task.waypoint is not None:
-            reference["waypoint"] = task.waypoint.q_ob
-    else:
-        assert isinstance(task, ToyTask)
-        verdict, cost = task.verify(controls)
-        series = {"state": task.fly(controls)[0], "control": controls[0]}
-        reference = {"state": np.asarray(task.parameters.target)}
+    window = np.asarray(window_mask(scenario))
+    forbidden = np.asarray(forbidden_mask(scenario))
+    flown = fly(task, controls)
+    verdict = flown.verdict
     xi = sparsity.complementarity_vector(controls[0], task.goal.epsilon, task.shared)
     product = np.abs(controls[0]) * (xi[:, None] if task.shared else xi)
     starts = found.starts
@@ -102,43 +84,23 @@ def _flown_phase(
         weight=np.asarray(task.arguments.weight),
         window=window,
         forbidden=forbidden,
-        series=series,
-        reference=reference,
+        series=flown.series,
+        reference=flown.reference,
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
         limit_violation=float(verdict.limit_violation[0]),
         margin_violation=float(verdict.margin_violation[0]),
         max_complementarity=float(product.max()),
-        objective={name: float(value[0]) for name, value in cost.items()},
+        objective={name: float(value[0]) for name, value in flown.cost.items()},
         effort=float(task.effort(controls)[0]),
         reached=reached,
-        failure_reason="" if reached else _failure_reason(task, answer, pointing),
+        failure_reason="" if reached else _failure_reason(task, answer, flown.pointing),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
         quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
-        pointing=pointing,
+        pointing=flown.pointing,
     )
-    return phase, state
-
-
-def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
-    """What a flight (S = 1) says of cones and rate limits."""
-    if not task.pointing:
-        return None
-    path_monitor, times = task.path_monitor, task.path_monitor.elapsed
-    constraint_margin = (
-        np.zeros(len(task.pointing.cones) + 1)
-        if task.constraint_margin is None
-        else task.constraint_margin
-    )
-    return PointingRecord(
-        time=times,
-        angles=path_monitor.watch(flown).angles[0],
-        boresights=path_monitor.boresights(flown),
-        directions=path_monitor.directions,
-        extremes=task.watch(flown).extremes(times),
-        constraint_margin=constraint_margin[:-1],
-    )
+    return phase, flown.end
 
 
 def constraint_margin_notes(phase: Phase) -> tuple[str, ...]:
@@ -155,7 +117,7 @@ def constraint_margin_notes(phase: Phase) -> tuple[str, ...]:
 
 
 def _valves(
-    scenario: scenarios.Scenario, task: Task, controls: Floats, sign: float, aims: bool
+    scenario: Scenario, task: Task, controls: Floats, sign: float, aims: bool
 ) -> tuple[Valves, ...]:
     """The answer with thrusters open or shut, as the scenario wants it and the other way."""
     wanted = scenario.control.quantisation

@@ -3,30 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from jaxatt import scenarios
 from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
+from jaxatt.problems.hands_off.reading.valves import shortest_interval
 from jaxatt.problems.hands_off.search.final_time import Timed, search_final_time
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.search import Found, search
 from jaxatt.problems.hands_off.search.time_cost import Pricing
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.scenario import Scenario
 from jaxatt.report.result import FinalTimes
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
-from jaxatt.scenarios.valves import shortest_interval
 
 GUESSES = ("pulses", "pd", "l1")
 
 Build = Callable[..., Task]
-"""As `build_task`, of a given phase."""
+"""(scenario, enforce_speed_limits, final_time) -> the task of a given phase."""
 
 
 def search_phase(
-    scenario: scenarios.Scenario,
+    scenario: Scenario,
     build: Build,
     guess: str | Floats,
     inner: str,
@@ -72,7 +73,7 @@ def _record(pricing: Pricing, timed: Timed) -> FinalTimes:
 
 
 def _guess(
-    scenario: scenarios.Scenario,
+    scenario: Scenario,
     build: Build,
     task: Task,
     guess: str | Floats,
@@ -90,7 +91,7 @@ def _guess(
     if guess == "pd" and isinstance(task, SlewTask):
         return flown_controls(task, fly_pd(task))
     if guess == "l1":
-        l1 = scenarios.replace(scenario, {"objective.kind": "l1"})
+        l1 = replace(scenario, objective=replace(scenario.objective, kind="l1"))
         effort = build(l1, final_time=task.final_time)
         found = search(effort, min(8, scenario.solver.starts), scenario.solver.seed)
         return found.best.controls[0]

@@ -6,13 +6,16 @@ import copy
 from abc import ABC, abstractmethod
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from typing import Self
 
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
+from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.verdict import Verdict
+from jaxatt.report.result import PointingRecord
 from jaxatt.runtime.arrays import Floats
 
 _BINDING = 1e-3
@@ -50,6 +53,23 @@ class Goal:
     weights: Weights
 
 
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """What an independent flight says of one answer.
+
+    verdict, cost : of the one control history.  series : name -> samples.
+    reference : name -> target of a series.  end : state at the end of the horizon.
+    pointing : None without cones and rate limits.
+    """
+
+    verdict: Verdict
+    cost: dict[str, Floats]
+    series: dict[str, Floats]
+    reference: dict[str, Floats]
+    end: InitialState
+    pointing: PointingRecord | None = None
+
+
 class Task(ABC):
     """A sparse control problem over N intervals with b scaled controls each."""
 
@@ -82,7 +102,7 @@ class Task(ABC):
         """Whether all controls of an interval count as one."""
         return self.goal.design == 1
 
-    def reaching(self) -> Task:
+    def reaching(self) -> Self:
         """The same task with the target as a constraint instead of a cost."""
         other = copy.copy(self)
         other.goal = replace(self.goal, terminal="reach")

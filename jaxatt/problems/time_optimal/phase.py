@@ -3,25 +3,28 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 
-from jaxatt import scenarios
 from jaxatt.attitude import quaternion
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
-from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
-from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.time_optimal.arcs import Arcs
+from jaxatt.problems.time_optimal.search import FreeTimeFound
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
 from jaxatt.report.result import Phase, PointingRecord, StartsRecord
 from jaxatt.report.time_optimum import TimeOptimum, switch_times
-from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 
 
-def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
-    """Task of a scenario of one of `TIME_KINDS`."""
+def build_time_task(
+    scenario: Scenario,
+    start: PhaseStart = PhaseStart(),  # noqa: B008
+) -> ReorientationTask:
+    """Task of one phase of a scenario of one of `TIME_KINDS`, by default the first."""
     assert scenario.vehicle is not None
     horizon = scenario.horizon
     goal = TimeGoal(
@@ -34,26 +37,25 @@ def build_time_task(scenario: scenarios.Scenario) -> ReorientationTask:
     )
     return ReorientationTask(
         scenario.vehicle,
-        scenario.initial,
-        scenario.targets[0],
+        start.state or scenario.initial,
+        scenario.targets[start.index],
         horizon.intervals,
         goal,
         scenario.pointing,
     )
 
 
-def time_phase(scenario: scenarios.Scenario, report: Report | None = None) -> tuple[Phase, float]:
-    """The best turn of a scenario with how every start ended, and seconds spent on its flight."""
-    task = build_time_task(scenario)
-    found = search_free_time(task, scenario.solver.starts, scenario.solver.seed, report)
-    arcs = resolve_switches(task, found) if scenario.objective.kind == "minimum-time" else None
-    began = time.perf_counter()
-    return _phase(scenario, task, found, arcs), time.perf_counter() - began
+def time_record(
+    scenario: Scenario,
+    start_time: float,
+    task: ReorientationTask,
+    found: FreeTimeFound,
+    arcs: Arcs | None,
+) -> tuple[Phase, InitialState]:
+    """The best turn with how every start ended, flown again, and where it ended.
 
-
-def _phase(
-    scenario: scenarios.Scenario, task: ReorientationTask, found: FreeTimeFound, arcs: Arcs | None
-) -> Phase:
+    start_time : [s] since the scenario's start.  arcs : its resolved switches, if there are any.
+    """
     best, n = found.best, task.craft.wheels.count
     torque, step = found.controls[best], float(found.step[best])
     flown = task.fly(torque[None], np.array([step]))
@@ -85,8 +87,8 @@ def _phase(
     if arcs is not None:
         switches = arcs.switches
     final = count * step
-    return Phase(
-        start_time=0.0,
+    record = Phase(
+        start_time=start_time,
         step=step,
         controls=torque,
         weight=np.ones(count),
@@ -134,6 +136,8 @@ def _phase(
             resolved_time=None if arcs is None else arcs.final_time,
         ),
     )
+    end = (np.asarray(part[0, -1]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
+    return record, InitialState(*end)
 
 
 def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:

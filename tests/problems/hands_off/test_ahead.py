@@ -6,7 +6,7 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.optimize.reweighting.condensed import Reweighting
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.ahead import compiled_ahead
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes, sparsify_chunk
 from jaxatt.problems.hands_off.search.polish import Method, count_arguments, decide, polish
@@ -16,7 +16,7 @@ from jaxatt.runtime.compilation import Routine
 
 @pytest.fixture(scope="module")
 def task():
-    return build_task(scenarios.load("hypso1-90-45-15"), enforce_speed_limits=False)
+    return build_slew(scenarios.load("hypso1-90-45-15"), enforce_speed_limits=False)
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.polish import Method, decide, screen
 from jaxatt.problems.hands_off.search.starts import draw
 
@@ -14,7 +14,7 @@ METHOD = Method("l0", rows=32)
 def task_with(share, name="hypso1-90-45-15"):
     scenario = scenarios.load(name)
     limit = share * np.asarray(scenario.vehicle.wheels.torque_limit)
-    return build_task(
+    return build_slew(
         scenarios.replace(scenario, {"vehicle.wheels.torque_limit_Nm": limit.tolist()})
     )
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.least_time_program import controls_of, least_time_program, log_ratio
+from jaxatt.problems.toy.build import build_toy
 
 CASES = {
     "double-integrator": ({}, 1e-13),
@@ -23,8 +24,8 @@ CASES = {
 def test_stretching_is_building_anew(name, ratio):
     changes, tolerance = CASES[name]
     scenario = scenarios.replace(scenarios.load(name), changes)
-    task = build_task(scenario, final_time=4.0)
-    longer = build_task(scenario, final_time=4.0 * ratio)
+    build = build_slew if scenario.vehicle is not None else build_toy
+    task, longer = build(scenario, final_time=4.0), build(scenario, final_time=4.0 * ratio)
     assert longer.final_time == pytest.approx(4.0 * ratio)
     rng = np.random.default_rng(7)
     u = jnp.asarray(0.3 * rng.uniform(size=(task.intervals, task.size)))
@@ -45,7 +46,7 @@ def test_stretching_is_building_anew(name, ratio):
 
 
 def test_the_derivative_by_the_step_is_that_of_finite_differences():
-    task = build_task(scenarios.load("hypso1-90-0-0-free"), final_time=30.0)
+    task = build_slew(scenarios.load("hypso1-90-0-0-free"), final_time=30.0)
     program = least_time_program(task.system)
     rng = np.random.default_rng(3)
     u = 0.2 * rng.normal(size=(task.intervals, task.size + 1)) * [*[1.0] * task.size, 0.0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.candidates import Candidates
 from jaxatt.problems.hands_off.search.quantise import Quantised, quantise
 from jaxatt.problems.hands_off.search.search import search
@@ -19,7 +19,7 @@ SMALL = {
 
 
 def small_task(changes: dict | None = None) -> SlewTask:
-    task = build_task(scenarios.replace(scenarios.load("eseo-1"), {**SMALL, **(changes or {})}))
+    task = build_slew(scenarios.replace(scenarios.load("eseo-1"), {**SMALL, **(changes or {})}))
     assert isinstance(task, SlewTask)
     return task
 

@@ -10,7 +10,7 @@ import pytest
 from jaxatt import scenarios
 from jaxatt.multistart import retiring
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.batch import Form, Lanes, solve_lanes
 from jaxatt.problems.hands_off.search.candidates import (
     Candidates,
@@ -27,7 +27,7 @@ from jaxatt.problems.verdict import Verdict
 
 @pytest.fixture(scope="module")
 def task():
-    return build_task(scenarios.load("hypso1-90-45-15"))
+    return build_slew(scenarios.load("hypso1-90-45-15"))
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 from references import random_vehicles
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew import model as slew
 from jaxatt.problems.hands_off.slew.model import SlewForm, attitude_row
 
@@ -79,7 +79,7 @@ def scenario():
 
 @pytest.fixture(scope="module", params=["body", "wheels"])
 def task(request, scenario):
-    return build_task(scenarios.replace(scenario, {"control.axes": request.param}))
+    return build_slew(scenarios.replace(scenario, {"control.axes": request.param}))
 
 
 def random_u(task, seed, size=0.3):
@@ -138,7 +138,7 @@ def test_rows_vanish_where_the_flight_ends(task):
 
 def test_body_and_wheel_axes_are_the_same_problem(scenario):
     body, wheels = (
-        build_task(scenarios.replace(scenario, {"control.axes": axes}))
+        build_slew(scenarios.replace(scenario, {"control.axes": axes}))
         for axes in ("body", "wheels")
     )
     u = random_u(body, 3)
@@ -196,6 +196,6 @@ def test_printed_cost_of_doing_nothing():
         ("hypso1-90-45-15", 31.699),
         ("hypso1-75-50-15", 25.355),
     ):
-        idle = build_task(scenarios.load(name))
+        idle = build_slew(scenarios.load(name))
         _, parts = idle.verify(np.zeros((1, idle.intervals, idle.size)))
         np.testing.assert_allclose(sum(parts.values()), printed, atol=1e-3)

@@ -10,7 +10,7 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.attitude import quaternion
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, fly_nodes, terminal_rows
 from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
 from jaxatt.problems.hands_off.slew.response import response_rows, slew_response
@@ -25,7 +25,7 @@ CASES = {
 @functools.cache
 def prepared(name, axes="body"):
     scenario = scenarios.replace(scenarios.load(name), {"control.axes": axes})
-    task = build_task(scenario)
+    task = build_slew(scenario)
     rng = np.random.default_rng(5)
     u = 0.02 * rng.normal(size=(task.intervals, task.size))
     return CASES[name], jnp.asarray(u), task.arguments.plant
@@ -126,7 +126,7 @@ def test_an_impulse_at_rest_changes_the_rate_by_its_size_over_the_inertia():
 def test_a_spacecraft_with_much_momentum_searches_with_exact_derivatives():
     spinning = {"initial.wheel_speed_rad_s": [300.0, 300.0, 300.0, 300.0]}
     scenario = scenarios.replace(scenarios.load("hypso1-90-45-15"), spinning)
-    task = build_task(scenario)
+    task = build_slew(scenario)
     assert task.system.equations is None and task.system.response is not None
     rng = np.random.default_rng(6)
     u = jnp.asarray(0.02 * rng.normal(size=(task.intervals, task.size)))

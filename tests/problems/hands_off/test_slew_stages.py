@@ -14,7 +14,7 @@ from jaxatt.optimize.reweighting.condensed import Reweighting
 from jaxatt.optimize.reweighting.staged import StagedReweighting, sparsify_stages
 from jaxatt.optimize.riccati.lagrangian import solve_stages
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.polish import POLISH, effort_arguments
 from jaxatt.problems.hands_off.slew.model import SlewForm, terminal_rows, wheel_speeds
 from jaxatt.problems.hands_off.slew.stages import slew_stages
@@ -28,7 +28,7 @@ def slew(name="hypso1-90-45-15", speed=None, attitude=None, **changes):
         changes = {"vehicle.wheels.speed_limit_rad_s": speed}
     if attitude is not None:
         changes = {"target.attitude_deg": list(attitude)}
-    return build_task(scenarios.replace(scenario, changes) if changes else scenario, 0, None)
+    return build_slew(scenarios.replace(scenario, changes) if changes else scenario, 0, None)
 
 
 def some_torque(task, size=0.02):

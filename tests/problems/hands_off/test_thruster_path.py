@@ -6,7 +6,7 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.optimize.reweighting.bounded import bounded_step
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew.thruster_path import path_response
 from jaxatt.problems.hands_off.slew.thruster_response import fly_thrusters
 from jaxatt.problems.pointing.cones import pointing_margins
@@ -15,7 +15,7 @@ CASE = {"horizon.intervals": 45, "limits.body_rate_deg_s": 30.0}
 
 
 def test_worst_margins_and_their_derivatives():
-    task = build_task(scenarios.replace(scenarios.load("eseo-1-keep-out"), CASE))
+    task = build_slew(scenarios.replace(scenarios.load("eseo-1-keep-out"), CASE))
     task = task.enforcing(np.zeros(3), False)
     plant, rng = task.arguments.plant, np.random.default_rng(4)
     u = jnp.asarray(0.15 * rng.uniform(size=(task.intervals, task.size)))

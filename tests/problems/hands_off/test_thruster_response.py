@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.slew.thruster_response import thruster_response, thruster_rows
 
@@ -16,7 +16,7 @@ TILTED = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1], [0, 0, 1]])
 
 def mixed_task() -> SlewTask:
     """Wheels, spinning, beside tilted thrusters, from a tumbling start, at 12 intervals."""
-    task = build_task(
+    task = build_slew(
         scenarios.replace(
             scenarios.load("eseo-3"),
             {

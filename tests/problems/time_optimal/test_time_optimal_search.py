@@ -9,9 +9,10 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.optimize.status import Status
+from jaxatt.pipeline.solve import solve
 from jaxatt.problems.time_optimal import arcs
 from jaxatt.problems.time_optimal.batch import solve_paths
-from jaxatt.problems.time_optimal.phase import build_time_task, time_phase
+from jaxatt.problems.time_optimal.phase import build_time_task
 from jaxatt.problems.time_optimal.random_paths import random_paths
 from jaxatt.problems.time_optimal.search import search_free_time
 
@@ -116,7 +117,7 @@ def limited():
     vehicle = free.vehicle
     wheels = dataclasses.replace(vehicle.wheels, speed_limit=np.full(vehicle.wheels.count, 95.0))
     tight = dataclasses.replace(tight, vehicle=dataclasses.replace(vehicle, wheels=wheels))
-    return tight, time_phase(tight)[0]
+    return tight, solve(tight).phases[0]
 
 
 def test_limits_on_the_way_hold_between_nodes_too():
@@ -145,7 +146,7 @@ def test_at_the_target_there_is_nothing_to_do():
 
 
 def test_a_time_limit_that_is_too_short_is_an_obstacle_in_words():
-    phase, _ = time_phase(case(**{"horizon.longest_s": 20.0, "solver.starts": 4}))
+    phase = solve(case(**{"horizon.longest_s": 20.0, "solver.starts": 4})).phases[0]
     assert not phase.reached
     assert "missed" in phase.failure_reason or "solver" in phase.failure_reason
 

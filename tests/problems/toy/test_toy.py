@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_task
+from jaxatt.problems.toy.build import build_toy
 
 RIGHT_SIDES = {
     "double-integrator": lambda x, u: [x[1], u],
@@ -16,7 +16,7 @@ RIGHT_SIDES = {
 
 @pytest.fixture(params=sorted(RIGHT_SIDES))
 def task(request):
-    return build_task(scenarios.load(request.param))
+    return build_toy(scenarios.load(request.param))
 
 
 def controls_for(task, seed):
@@ -63,7 +63,7 @@ def test_rows_and_margins_are_those_of_the_end_and_of_the_nodes(task):
 
 
 def test_van_der_pol_reports_how_far_the_bound_is_broken():
-    task = build_task(scenarios.load("van-der-pol"))
+    task = build_toy(scenarios.load("van-der-pol"))
     controls = -np.ones((1, task.intervals, 1))
     states = reference(task, controls[0])
     assert states[:, 1].min() < -0.5
@@ -79,7 +79,7 @@ def test_controls_are_clipped_and_thresholded(task):
 
 def test_analytic_optimum_of_the_double_integrator_arrives():
     """Bang-off-bang with the analytic switches, 1.41886 and 4.58114 s, on a grid with them."""
-    task = build_task(scenarios.load("double-integrator"))
+    task = build_toy(scenarios.load("double-integrator"))
     switch_on, switch_off = 1.4188611699158102, 4.5811388300841898
     grid = np.arange(task.intervals + 1) * task.step
 

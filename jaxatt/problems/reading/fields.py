@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from jaxatt.scenarios.schema import nearest, unit_of, unknown_key_mend
+from jaxatt.problems.reading.schema import nearest, unit_of, unknown_key_mend
 from jaxatt.spacecraft.checks import Float64
 
 

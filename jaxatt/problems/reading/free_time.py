@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, NoReturn
+from typing import NoReturn
 
-from jaxatt.problems.scenario import SPARSE_KINDS, Horizon, Objective
-from jaxatt.scenarios.fields import Table
+from jaxatt.problems.reading.fields import Table
 
 
 def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, float]:
@@ -23,31 +21,6 @@ def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, 
     if shortest > longest:
         table.fail("shortest_s", f"more than longest_s = {longest:g}", "exchange the two")
     return free, shortest, longest
-
-
-def check_free_time(
-    document: Mapping[str, Any], origin: str, horizon: Horizon, objective: Objective
-) -> None:
-    """Refuse sparse objectives whose free final time has no end, or that price a fixed one.
-
-    Raises `ScenarioError`.
-    """
-    if objective.kind not in SPARSE_KINDS:
-        return
-    if horizon.free and not math.isfinite(horizon.longest):
-        table = Table(document["horizon"], origin, "[horizon]", tuple(document["horizon"]))
-        table.fail(
-            "longest_s",
-            "missing",
-            f"a free final time of kind = {objective.kind} needs the longest allowed, in seconds",
-        )
-    if objective.time_weight > 0.0 and not horizon.free:
-        table = Table(document["objective"], origin, "[objective]", tuple(document["objective"]))
-        table.fail(
-            "time_weight_1_s",
-            "the final time is fixed, so its price changes nothing",
-            'add [horizon] final_time = "free" and longest_s, or drop it',
-        )
 
 
 def refuse_seconds(table: Table, key: str, instead: str) -> NoReturn:

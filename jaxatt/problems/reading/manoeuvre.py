@@ -8,27 +8,22 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
+from jaxatt.problems.reading.attitudes import read_attitude
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.free_time import refuse_seconds
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import Horizon
-from jaxatt.scenarios.attitudes import read_attitude
-from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.free_time import refuse_seconds
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
-from jaxatt.scenarios.windows import nearest_whole
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 
-_EMPTY = np.zeros(0)
-_IDENTITY = np.array([1.0, 0.0, 0.0, 0.0])
-_TOY_STATES = 2
+
+def nearest_whole(value: float) -> int:
+    """Return the nearest whole number, halves upward (Python's round takes the even one)."""
+    return math.floor(value + 0.5)
 
 
-def read_initial(
-    data: Any, origin: str, vehicle: Spacecraft | None, notes: list[str]
-) -> InitialState:
-    """Return the checked start; `vehicle` is None for a toy system."""
-    if vehicle is None:
-        toy = Table(data, origin, "[initial]", TOY_TABLES["initial"])
-        return InitialState(_IDENTITY, np.zeros(3), _EMPTY, toy.vector("state", _TOY_STATES))
+def read_initial(data: Any, origin: str, vehicle: Spacecraft, notes: list[str]) -> InitialState:
+    """Return the checked start of a spacecraft."""
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
     count = vehicle.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
@@ -40,18 +35,11 @@ def read_initial(
             "start slower or raise [vehicle.wheels] speed_limit_rad_s",
         )
     attitude = read_attitude(table, notes)
-    return InitialState(attitude, table.vector("rate_rad_s", 3, np.zeros(3)), speeds, _EMPTY)
+    return InitialState(attitude, table.vector("rate_rad_s", 3, np.zeros(3)), speeds)
 
 
-def read_targets(
-    document: dict[str, Any], origin: str, toy: bool, notes: list[str]
-) -> tuple[Target, ...]:
+def read_targets(document: dict[str, Any], origin: str, notes: list[str]) -> tuple[Target, ...]:
     """Return the checked target, or one target for each of the [[legs]]."""
-    if toy:
-        table = Table(document.get("target", {}), origin, "[target]", TOY_TABLES["target"])
-        state = table.vector("state", _TOY_STATES)
-        tolerance = table.number("tolerance", 1e-6, above=0.0)
-        return (Target(_IDENTITY, np.zeros(3), math.pi, math.inf, state, tolerance),)
     if "target" in document and "legs" in document:
         raise ScenarioError(
             f"{origin}: [target] and [[legs]] are both given; keep [target] for one manoeuvre or "
@@ -82,8 +70,6 @@ def _target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
         omega_ob=table.vector("rate_rad_s", 3, np.zeros(3)),
         attitude_tolerance=math.radians(tolerance),
         rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
-        state=_EMPTY,
-        state_tolerance=math.inf,
     )
 
 

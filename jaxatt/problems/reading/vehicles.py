@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.scenarios.documents import parse, read_file
-from jaxatt.scenarios.fields import Table
-from jaxatt.scenarios.schema import (
+from jaxatt.problems.reading.documents import parse, read_file
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import (
     MAGNETORQUER_KEYS,
     SPACECRAFT_TABLES,
     THRUSTER_KEYS,

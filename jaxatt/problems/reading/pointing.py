@@ -12,8 +12,8 @@ import numpy as np
 from jaxatt.attitude import quaternion
 from jaxatt.problems.pointing.case import Cone, Pointing
 from jaxatt.problems.pointing.cones import cone_angles
-from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
 
 _DIRECTIONS = ("direction_inertial", "direction_orbit", "toward")

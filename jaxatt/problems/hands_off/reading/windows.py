@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from jaxatt.problems.hands_off.windows import interval_mask
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.free_time import refuse_seconds
+from jaxatt.problems.reading.manoeuvre import nearest_whole
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import Horizon, Window
-from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.free_time import refuse_seconds
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES
 
 # A time on the edge of the horizon must not be refused for the rounding of its last digit.
 _TIME_TOLERANCE = 1e-9
-
-
-def nearest_whole(value: float) -> int:
-    """Return the nearest whole number, halves upward (Python's round takes the even one)."""
-    return math.floor(value + 0.5)
 
 
 def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]:

@@ -4,15 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target
-from jaxatt.problems.scenario import TIME_KINDS, Control, Horizon, Objective, Transcription
-from jaxatt.scenarios.fields import ScenarioError, Table
-from jaxatt.scenarios.free_time import read_final_time
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading import manoeuvre
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.free_time import read_final_time
+from jaxatt.problems.reading.heading import read_heading
+from jaxatt.problems.reading.moments import moments_of
+from jaxatt.problems.reading.pointing import check_moments, read_pointing
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.vehicles import read_vehicle
+from jaxatt.problems.scenario import (
+    TIME_KINDS,
+    Control,
+    Horizon,
+    Objective,
+    Scenario,
+    Transcription,
+)
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 from jaxatt.spacecraft.wheels import storage_share
@@ -27,7 +40,40 @@ _ELSEWHERE = {
 }
 
 
-def check_time_optimal(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
+def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+    """Return the checked scenario; see `Family.read`."""
+    heading = read_heading(document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"))
+    notes: list[str] = []
+    vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
+    objective = _read_objective(document["objective"], origin)
+    _check_document(document, origin, notes)
+    horizon = _read_horizon(document["horizon"], origin)
+    targets = manoeuvre.read_targets(document, origin, notes)
+    control = _read_control(document.get("control", {}), origin)
+    initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes)
+    _check_storable(origin, vehicle, initial, targets[0])
+    scenario = Scenario(
+        **vars(heading),
+        family="time-optimal",
+        vehicle=vehicle,
+        initial=initial,
+        targets=targets,
+        horizon=horizon,
+        control=control,
+        objective=objective,
+        notes=tuple(notes),
+        document=document,
+        origin=origin,
+        folder=folder,
+        transcription=_read_transcription(document.get("transcription", {}), origin),
+        pointing=read_pointing(document, origin, False, None),
+    )
+    if scenario.pointing:
+        check_moments(scenario.pointing, moments_of(scenario), origin)
+    return scenario
+
+
+def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
     """Refuse what has no meaning where time is minimised.
 
     Raises `ScenarioError`.
@@ -46,18 +92,26 @@ def check_time_optimal(document: Mapping[str, Any], origin: str, notes: list[str
         notes.append("[objective] effort_weight is not used by kind = minimum-time")
 
 
-def read_effort_weight(table: Table, kind: str) -> float:
-    """Return rho of an [objective] [1/(N m)^2]; 0 where effort has no price."""
-    if kind not in TIME_KINDS:
-        if "effort_weight" in table:
-            table.fail("effort_weight", f"not used by kind = {kind}", 'use kind = "time-effort"')
-        return 0.0
+def _read_objective(data: Any, origin: str) -> Objective:
+    table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
+    kind = table.choice("kind", TIME_KINDS, TIME_KINDS[0])
     weight = table.number("effort_weight", _DEFAULT_WEIGHT, at_least=0.0)
-    return weight if kind == "time-effort" else 0.0
+    return Objective(
+        kind=kind,
+        epsilon=table.number("epsilon_Nm", 1e-8, above=0.0),
+        rate_weight=table.number("rate_weight_s2", 1e6, at_least=0.0),
+        attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
+        sparsity_weight=table.number("sparsity_weight", 1e1, at_least=0.0),
+        waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
+        on_off_weight=table.number("on_off_weight", 0.0, at_least=0.0),
+        on_off_form=table.choice("on_off_form", ("active", "printed"), "active"),
+        effort_weight=weight if kind == "time-effort" else 0.0,
+    )
 
 
-def read_open_horizon(table: Table) -> Horizon:
+def _read_horizon(data: Any, origin: str) -> Horizon:
     """Return the grid of a turn whose time is found: its intervals, and limits of the time."""
+    table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
     if table.choice("final_time", ("fixed", "free"), "free") == "fixed":
         table.fail("final_time", "this objective finds the final time", 'use "free" or drop it')
     for key, mend in (
@@ -78,21 +132,16 @@ def read_open_horizon(table: Table) -> Horizon:
     )
 
 
-def read_transcription(data: Any, origin: str, objective: Objective) -> Transcription:
+def _read_transcription(data: Any, origin: str) -> Transcription:
     """Return the coordinates and the integration of a turn whose time is found."""
     table = Table(data, origin, "[transcription]", SPACECRAFT_TABLES["transcription"])
-    if table.data and objective.kind not in TIME_KINDS:
-        raise ScenarioError(
-            f"{origin}: [transcription]: not used by kind = {objective.kind}; drop it, or use "
-            f"kind = {' or '.join(TIME_KINDS)}"
-        )
     return Transcription(
         attitude=table.choice("attitude", ("quaternion", "mrp"), "quaternion"),
         integration=table.choice("integration", ("rk4", "euler"), "rk4"),
     )
 
 
-def read_separate_torques(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
+def _read_control(data: Any, origin: str) -> Control:
     """Return the control of such a turn: every wheel and thruster by itself, not quantised."""
     table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
     for key, only in (("axes", "wheels"), ("quantisation", "none")):
@@ -101,7 +150,9 @@ def read_separate_torques(data: Any, origin: str, vehicle: Spacecraft | None) ->
     return Control("wheels", math.inf, "none")
 
 
-def check_storable(origin: str, vehicle: Spacecraft, initial: InitialState, target: Target) -> None:
+def _check_storable(
+    origin: str, vehicle: Spacecraft, initial: InitialState, target: Target
+) -> None:
     """Refuse speed limits of wheels that cannot hold the momentum that is left at the target.
 
     Without external torques the total momentum stays as it is in the inertial frame, and with the

@@ -1,4 +1,4 @@
-"""The plain numbers of a scenario: orbit, horizon, disturbances, control, objective, solver."""
+"""The plain numbers of a scenario: orbit, horizon, disturbances."""
 
 from __future__ import annotations
 
@@ -7,23 +7,15 @@ from typing import Any
 
 from jaxatt.environment import epoch
 from jaxatt.environment.sun import FIRST_YEAR, LAST_YEAR
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.free_time import read_final_time
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import (
-    SPARSE_KINDS,
-    TIME_KINDS,
-    Control,
     Disturbances,
     Horizon,
-    Objective,
     Orbit,
-    SolverSettings,
 )
-from jaxatt.scenarios.fields import Table
-from jaxatt.scenarios.free_time import read_final_time
-from jaxatt.scenarios.schema import SPACECRAFT_TABLES, TOY_TABLES
-from jaxatt.scenarios.time_optimal import read_effort_weight, read_open_horizon
-from jaxatt.spacecraft import Spacecraft
 
-QUANTISATIONS = ("pulse-width", "interval", "none")
 EARTH_RADIUS_KM = 6378.137  # equatorial, WGS 84
 # Edge of the Earth's sphere of influence, rounded up: beyond it a distance was given in metres.
 _LARGEST_AXIS_KM = 1e6
@@ -87,11 +79,9 @@ def _days(table: Table) -> float | None:
     return epoch.days_since_j2000(moment)
 
 
-def read_horizon(data: Any, origin: str, optimal: bool = False) -> Horizon:
-    """Return the checked horizon; optimal : whether the objective finds the final time."""
+def read_horizon(data: Any, origin: str) -> Horizon:
+    """Return the checked horizon: its length, fixed or free within limits, and its intervals."""
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
-    if optimal:
-        return read_open_horizon(table)
     free, shortest, longest = read_final_time(table)
     default = longest if math.isfinite(longest) else None
     duration = table.number("horizon_s", default, above=0.0, example="70.0")
@@ -119,63 +109,4 @@ def read_disturbances(data: Any, origin: str) -> Disturbances:
         gravity_gradient=table.flag("gravity_gradient"),
         sinusoidal_torque=table.number("sinusoidal_torque_Nm", 0.0),
         sinusoidal_frequency=table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
-    )
-
-
-def read_control(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
-    """Return the checked choice of control axes, or a toy system's control bound."""
-    if vehicle is None:
-        toy = Table(data, origin, "[control]", TOY_TABLES["control"])
-        return Control("body", toy.number("limit", 1.0, above=0.0))
-    table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
-    if vehicle.thrusters.count == 0:
-        if "quantisation" in table:
-            table.fail("quantisation", "the vehicle has no thrusters", "drop it")
-        return Control(table.choice("axes", ("body", "wheels"), "body"), math.inf)
-    axes = table.choice("axes", ("body", "wheels"), "wheels")
-    if axes == "body":
-        table.fail(
-            "axes", "thrusters are optimised one by one", 'use axes = "wheels" or leave it out'
-        )
-    return Control(axes, math.inf, table.choice("quantisation", QUANTISATIONS, QUANTISATIONS[0]))
-
-
-def read_objective(data: Any, origin: str, toy: bool) -> Objective:
-    """Return the checked objective; the defaults are those of Schaanning (2021), table 5.1."""
-    tables = TOY_TABLES if toy else SPACECRAFT_TABLES
-    table = Table(data, origin, "[objective]", tables["objective"])
-    kind = table.choice("kind", SPARSE_KINDS if toy else (*SPARSE_KINDS, *TIME_KINDS), "l0")
-    terminal = table.choice("terminal", ("reach", "penalty"), "reach")
-    if toy and terminal == "penalty":
-        table.fail("terminal", "the toy systems have no printed penalty", 'use terminal = "reach"')
-    design = 1 if toy else table.integer("design", 1)
-    if design > 3:
-        table.fail("design", "not one of the designs", "allowed: 1, 2, 3")
-    if toy:
-        epsilon = table.number("epsilon", 1e-6, above=0.0)  # section 3.7.5
-    else:
-        epsilon = table.number("epsilon_Nm", 1e-8, above=0.0)
-    return Objective(
-        kind=kind,
-        terminal=terminal,
-        design=design,
-        epsilon=epsilon,
-        rate_weight=table.number("rate_weight_s2", 1e6, at_least=0.0),
-        attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
-        sparsity_weight=table.number("sparsity_weight", 1e1, at_least=0.0),
-        waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
-        on_off_weight=0.0 if toy else table.number("on_off_weight", 0.0, at_least=0.0),
-        on_off_form="active"
-        if toy
-        else table.choice("on_off_form", ("active", "printed"), "active"),
-        time_weight=table.number("time_weight_1_s", 0.0, at_least=0.0),
-        effort_weight=0.0 if toy else read_effort_weight(table, kind),
-    )
-
-
-def read_solver(data: Any, origin: str) -> SolverSettings:
-    """Return the checked number of starts and the seed."""
-    table = Table(data, origin, "[solver]", SPACECRAFT_TABLES["solver"])
-    return SolverSettings(
-        starts=table.integer("starts", 64), seed=table.integer("seed", 0, at_least=0)
     )

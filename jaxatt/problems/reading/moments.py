@@ -6,9 +6,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.environment.table import environment_at
+from jaxatt.problems.reading.pointing import Moment
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.surroundings import surroundings_of
-from jaxatt.scenarios.pointing import Moment
 
 
 def moments_of(scenario: Scenario) -> list[Moment]:

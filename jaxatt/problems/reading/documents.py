@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from jaxatt.scenarios.fields import ScenarioError
+from jaxatt.problems.reading.fields import ScenarioError
 
 
 def parse(text: str, origin: str) -> dict[str, Any]:

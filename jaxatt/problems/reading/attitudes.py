@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from jaxatt.scenarios.fields import Table
-from jaxatt.scenarios.schema import ATTITUDE_KEYS
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import ATTITUDE_KEYS
 from jaxatt.spacecraft.checks import Float64
 
 _UNIT_TOLERANCE = 1e-9

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Horizon, Objective
-from jaxatt.scenarios.fields import ScenarioError
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 

@@ -1,0 +1,105 @@
+"""What makes a kind of manoeuvre: how it is read, searched, flown, judged and reported."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.scenario import Scenario
+from jaxatt.report.result import Phase
+from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.chunks import Report
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseStart:
+    """Where one phase of a scenario begins.
+
+    index : of the phase, from zero.  time : [s] since the scenario's start.
+    state : the flown end of the phase before; None where the scenario itself begins.
+    """
+
+    index: int = 0
+    time: float = 0.0
+    state: InitialState | None = None
+
+    def following(self, phase: Phase, end: InitialState) -> PhaseStart:
+        """Where the next phase begins: at the flown end of this one."""
+        return PhaseStart(self.index + 1, self.time + phase.final_time, end)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchOptions:
+    """What the caller of `solve` may choose beyond the scenario.
+
+    guess : name of a first guess, or controls (N, b).  inner : name of an inner minimiser.
+    """
+
+    guess: str | Floats = "pulses"
+    inner: str = "auto"
+
+    @property
+    def default(self) -> bool:
+        """Whether nothing was chosen."""
+        return isinstance(self.guess, str) and (self.guess, self.inner) == ("pulses", "auto")
+
+
+class Family(ABC):
+    """A kind of manoeuvre: its name, what it reads, and the steps from a scenario to its record.
+
+    name : as records carry it.
+    systems : values of `system` in a scenario that it answers to, e.g. "spacecraft".
+    kinds : values of `objective.kind` that it answers to; the first is the default.
+    tables : name of a TOML table -> keys it may hold.
+
+    A new family is a subclass in a folder of its own and a line in `jaxatt.problems.registry`, or a
+    call of `register` from outside the package.  Nothing else asks which family an answer is from.
+    """
+
+    name: str
+    systems: tuple[str, ...]
+    kinds: tuple[str, ...]
+    tables: Mapping[str, tuple[str, ...]]
+
+    @abstractmethod
+    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+        """The checked scenario of a TOML document.
+
+        origin : what messages call the file.  folder : where files that it names are looked up.
+        Raises `ScenarioError`, which names table, key, value, what is allowed and how to mend it.
+        """
+
+    def phases(self, scenario: Scenario) -> int:
+        """Number of optimisations, each beginning at the flown end of the one before."""
+        return len(scenario.targets)
+
+    def check(self, scenario: Scenario, options: SearchOptions) -> None:
+        """Refuse options that the search does not know, with a `ValueError`."""
+        if not options.default:
+            raise ValueError(
+                f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its "
+                "own; leave them out"
+            )
+
+    @abstractmethod
+    def search(
+        self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None
+    ) -> Any:
+        """Solve one phase from many starts; what is returned goes to `judge`.
+
+        report : called by the host with (stage, starts ended) between chunks of work.
+        """
+
+    @abstractmethod
+    def judge(
+        self, scenario: Scenario, start: PhaseStart, found: Any
+    ) -> tuple[Phase, InitialState]:
+        """Fly the answer of a search again with finer steps: its record, and its flown end."""
+
+    def extra(self, scenario: Scenario, found: Sequence[Any]) -> Mapping[str, Any]:
+        """Numbers of a whole result that belong to no phase, from what the searches returned."""
+        return {}

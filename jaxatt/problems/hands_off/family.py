@@ -1,0 +1,84 @@
+"""Sparse control of a spacecraft, with wheels and thrusters, as a family of problems."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from jaxatt.problems.family import Family, PhaseStart, SearchOptions
+from jaxatt.problems.hands_off.build import build_slew
+from jaxatt.problems.hands_off.phase import phase_record
+from jaxatt.problems.hands_off.phase_search import Build, search_phase
+from jaxatt.problems.hands_off.reading.scenario import read_hands_off
+from jaxatt.problems.hands_off.search.search import Found
+from jaxatt.problems.hands_off.slew.flight import fly_slew
+from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.hands_off.task import Flown, Task
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.scenario import SPACECRAFT, SPARSE_KINDS, Scenario
+from jaxatt.report.result import FinalTimes, Phase
+from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.chunks import Report
+
+
+class SparseAnswer(NamedTuple):
+    """What the search of one phase returns; tried : final times, where it is free."""
+
+    task: Task
+    found: Found
+    tried: FinalTimes | None
+
+
+class SparseFamily(Family):
+    """Families whose problem is sparse control: they differ in the system that is controlled."""
+
+    kinds = SPARSE_KINDS
+
+    def build(self, scenario: Scenario, start: PhaseStart) -> Build:
+        """What makes the task of a phase, at the scenario's final time or at another."""
+        raise NotImplementedError
+
+    def fly(self, task: Any, controls: Floats) -> Flown:
+        """Fly controls (1, N, b) of a task again and judge the flight."""
+        raise NotImplementedError
+
+    def check(self, scenario: Scenario, options: SearchOptions) -> None:
+        """Guesses and inner minimisers are checked by the search, which knows the task."""
+
+    def search(
+        self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None
+    ) -> SparseAnswer:
+        build = self.build(scenario, start)
+        return SparseAnswer(*search_phase(scenario, build, options.guess, options.inner, report))
+
+    def judge(
+        self, scenario: Scenario, start: PhaseStart, found: SparseAnswer
+    ) -> tuple[Phase, InitialState]:
+        return phase_record(scenario, found.task, found.found, start.time, found.tried, self.fly)
+
+    def extra(self, scenario: Scenario, found: Sequence[SparseAnswer]) -> Mapping[str, Any]:
+        if scenario.objective.terminal != "penalty":
+            return {}
+        return {"do_nothing_cost": sum(answer.found.do_nothing_cost or 0.0 for answer in found)}
+
+
+class HandsOff(SparseFamily):
+    """Maximum hands-off, moving hands-off and L1 control of a spacecraft."""
+
+    name = "hands-off"
+    systems = (SPACECRAFT,)
+    tables = SPACECRAFT_TABLES
+
+    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+        return read_hands_off(document, origin, folder)
+
+    def build(self, scenario: Scenario, start: PhaseStart) -> Build:
+        return functools.partial(
+            build_slew, phase=start.index, initial_state=start.state, start_time=start.time
+        )
+
+    def fly(self, task: SlewTask, controls: Floats) -> Flown:
+        return fly_slew(task, controls)

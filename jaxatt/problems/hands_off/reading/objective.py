@@ -1,0 +1,58 @@
+"""The sparse objectives of a scenario, and what a free final time asks of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.scenario import SPARSE_KINDS, Horizon, Objective
+
+
+def read_objective(data: Any, origin: str) -> Objective:
+    """Return the checked objective; the defaults are those of Schaanning (2021), table 5.1."""
+    table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
+    kind = table.choice("kind", SPARSE_KINDS, SPARSE_KINDS[0])
+    if "effort_weight" in table:
+        table.fail("effort_weight", f"not used by kind = {kind}", 'use kind = "time-effort"')
+    design = table.integer("design", 1)
+    if design > 3:
+        table.fail("design", "not one of the designs", "allowed: 1, 2, 3")
+    return Objective(
+        kind=kind,
+        terminal=table.choice("terminal", ("reach", "penalty"), "reach"),
+        design=design,
+        epsilon=table.number("epsilon_Nm", 1e-8, above=0.0),
+        rate_weight=table.number("rate_weight_s2", 1e6, at_least=0.0),
+        attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
+        sparsity_weight=table.number("sparsity_weight", 1e1, at_least=0.0),
+        waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
+        on_off_weight=table.number("on_off_weight", 0.0, at_least=0.0),
+        on_off_form=table.choice("on_off_form", ("active", "printed"), "active"),
+        time_weight=table.number("time_weight_1_s", 0.0, at_least=0.0),
+    )
+
+
+def check_free_time(
+    document: Mapping[str, Any], origin: str, horizon: Horizon, objective: Objective
+) -> None:
+    """Refuse sparse objectives whose free final time has no end, or that price a fixed one.
+
+    Raises `ScenarioError`.
+    """
+    if horizon.free and not math.isfinite(horizon.longest):
+        table = Table(document["horizon"], origin, "[horizon]", tuple(document["horizon"]))
+        table.fail(
+            "longest_s",
+            "missing",
+            f"a free final time of kind = {objective.kind} needs the longest allowed, in seconds",
+        )
+    if objective.time_weight > 0.0 and not horizon.free:
+        table = Table(document["objective"], origin, "[objective]", tuple(document["objective"]))
+        table.fail(
+            "time_weight_1_s",
+            "the final time is fixed, so its price changes nothing",
+            'add [horizon] final_time = "free" and longest_s, or drop it',
+        )

@@ -1,0 +1,60 @@
+"""The answer of a slew flown again: series, references, verdict and cones."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.hands_off.task import Flown
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.report.result import PointingRecord
+from jaxatt.runtime.arrays import Floats
+from jaxatt.simulation.flight import Trajectory
+
+
+def fly_slew(task: SlewTask, controls: Floats) -> Flown:
+    """Fly torques (1, N, b) of a slew on the full model and judge the flight."""
+    flown = task.fly(controls)
+    series = {
+        "q_ob": np.asarray(flown.q_ob[0]),
+        "omega_ob": np.asarray(flown.omega_ob[0]),
+        "omega_ib": np.asarray(flown.omega_ib[0]),
+        "omega_bw": np.asarray(flown.omega_bw[0]),
+    }
+    if task.craft.wheels.count:
+        series["torque_body"] = task.body_torque(controls[0])
+        series["torque_wheels"] = task.wheel_torque(controls[0])
+    if task.craft.thrusters.count:
+        series["torque_thrusters"] = task.thrust(controls[0])
+    reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
+    if task.waypoint is not None:
+        reference["waypoint"] = task.waypoint.q_ob
+    ends = (flown.q_ob, flown.omega_ob, flown.omega_bw)
+    return Flown(
+        task.judge(flown, controls),
+        task.cost(flown, controls),
+        series,
+        reference,
+        InitialState(*(np.asarray(part[0, task.intervals]) for part in ends)),
+        _pointing(task, flown),
+    )
+
+
+def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
+    """What a flight (S = 1) says of cones and rate limits."""
+    if not task.pointing:
+        return None
+    path_monitor, times = task.path_monitor, task.path_monitor.elapsed
+    constraint_margin = (
+        np.zeros(len(task.pointing.cones) + 1)
+        if task.constraint_margin is None
+        else task.constraint_margin
+    )
+    return PointingRecord(
+        time=times,
+        angles=path_monitor.watch(flown).angles[0],
+        boresights=path_monitor.boresights(flown),
+        directions=path_monitor.directions,
+        extremes=task.watch(flown).extremes(times),
+        constraint_margin=constraint_margin[:-1],
+    )

@@ -1,0 +1,51 @@
+"""Reorientation in free time, in the least time or with its effort, as a family of problems."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from jaxatt.problems.family import Family, PhaseStart, SearchOptions
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.scenario import SPACECRAFT, TIME_KINDS, Scenario
+from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
+from jaxatt.problems.time_optimal.phase import build_time_task, time_record
+from jaxatt.problems.time_optimal.reading import read_time_optimal
+from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
+from jaxatt.problems.time_optimal.task import ReorientationTask
+from jaxatt.report.result import Phase
+from jaxatt.runtime.chunks import Report
+
+
+class TimeAnswer(NamedTuple):
+    """What the search of a turn returns; arcs : its resolved switches, in minimum time."""
+
+    task: ReorientationTask
+    found: FreeTimeFound
+    arcs: Arcs | None
+
+
+class TimeOptimal(Family):
+    """Turns whose final time is found: minimum time, or time and effort."""
+
+    name = "time-optimal"
+    systems = (SPACECRAFT,)
+    kinds = TIME_KINDS
+    tables = SPACECRAFT_TABLES
+
+    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+        return read_time_optimal(document, origin, folder)
+
+    def search(
+        self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None
+    ) -> TimeAnswer:
+        task = build_time_task(scenario, start)
+        found = search_free_time(task, scenario.solver.starts, scenario.solver.seed, report)
+        exact = scenario.objective.kind == "minimum-time"
+        return TimeAnswer(task, found, resolve_switches(task, found) if exact else None)
+
+    def judge(
+        self, scenario: Scenario, start: PhaseStart, found: TimeAnswer
+    ) -> tuple[Phase, InitialState]:
+        return time_record(scenario, start.time, found.task, found.found, found.arcs)

@@ -1,0 +1,36 @@
+"""Sparse control of small systems, which shows that nothing depends on a spacecraft."""
+
+from __future__ import annotations
+
+import functools
+from pathlib import Path
+from typing import Any
+
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.hands_off.family import SparseFamily
+from jaxatt.problems.hands_off.phase_search import Build
+from jaxatt.problems.hands_off.task import Flown
+from jaxatt.problems.reading.schema import TOY_TABLES
+from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.toy.build import build_toy
+from jaxatt.problems.toy.flight import fly_toy
+from jaxatt.problems.toy.reading import read_toy
+from jaxatt.problems.toy.task import SYSTEMS, ToyTask
+from jaxatt.runtime.arrays import Floats
+
+
+class Toy(SparseFamily):
+    """The double integrator and the Van der Pol oscillator."""
+
+    name = "toy"
+    systems = tuple(SYSTEMS)
+    tables = TOY_TABLES
+
+    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+        return read_toy(document, origin, folder)
+
+    def build(self, scenario: Scenario, start: PhaseStart) -> Build:
+        return functools.partial(build_toy, initial_state=start.state)
+
+    def fly(self, task: ToyTask, controls: Floats) -> Flown:
+        return fly_toy(task, controls)
