@@ -43,7 +43,7 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_task
 from jaxatt.problems.hands_off.pd_flight import fly_pd
-from jaxatt.report.wording import indices_text
+from jaxatt.records.wording import indices_text
 from jaxatt.studies.comparison import compare
 
 jax.config.update("jax_enable_x64", True)

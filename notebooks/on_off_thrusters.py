@@ -31,8 +31,8 @@ from IPython.display import Markdown, display
 
 import jaxatt
 from jaxatt import scenarios
+from jaxatt.records.wording import indices_text
 from jaxatt.report import plots
-from jaxatt.report.wording import indices_text
 from jaxatt.studies.comparison import compare
 from jaxatt.studies.relative_sparsity import attainable, relative_sparsity
 

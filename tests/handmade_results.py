@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from jaxatt import scenarios
-from jaxatt.report.result import Phase, Result, StartsRecord
-from jaxatt.report.time_optimum import TimeOptimum, switch_times
+from jaxatt.records.phase import Phase
+from jaxatt.records.starts import StartsRecord
+from jaxatt.records.time_optimum import TimeOptimum, switch_times
+from jaxatt.report.result import Result
 
 ACTIVE = (0, 20, 49)
 

@@ -19,7 +19,8 @@ from jaxatt.problems.hands_off.phase_search import search_phase
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import TIME_KINDS
 from jaxatt.problems.time_optimal.phase import time_phase
-from jaxatt.report.result import Phase, Result
+from jaxatt.records.phase import Phase
+from jaxatt.report.result import Result
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.clock import compile_seconds

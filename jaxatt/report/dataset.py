@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jaxatt.optimize.status import Status
+from jaxatt.problems.answer import Answer
+from jaxatt.records.phase import Phase
+from jaxatt.records.timeline import node_times
 from jaxatt.report.final_times import final_times_variables
-from jaxatt.report.result import Phase, Result
-from jaxatt.report.timeline import node_times
 
 if TYPE_CHECKING:
     import xarray
@@ -38,7 +39,7 @@ _REFERENCES = {
 _ERROR_UNITS = {"attitude": "rad", "rate": "rad/s", "waypoint": "rad", "state": "1"}
 
 
-def to_dataset(result: Result) -> xarray.Dataset:
+def to_dataset(result: Answer) -> xarray.Dataset:
     """Labelled arrays of a result, SI units and radians, with what made them as attributes.
 
     Dimensions are `time` (nodes, from the phase's start [s]), `interval`, `axis`, `wheel`,
@@ -237,7 +238,7 @@ def _labelled(values: Any, dims: tuple[str, ...], units: str, words: str) -> _Va
     return dims, np.asarray(values), {"long_name": words} | ({"units": units} if units else {})
 
 
-def _attributes(result: Result) -> Mapping[str, Any]:
+def _attributes(result: Answer) -> Mapping[str, Any]:
     scenario = result.scenario
     return {
         "scenario": scenario.name,

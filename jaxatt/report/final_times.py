@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import FinalTimes, Phase
-from jaxatt.report.wording import plural, short
+from jaxatt.drawing.figure import colour, tidy
+from jaxatt.records.final_times import FinalTimes
+from jaxatt.records.phase import Phase
+from jaxatt.records.wording import plural, short
 from jaxatt.runtime.arrays import Floats
 
 _Variable = tuple[tuple[str, ...], Any, dict[str, Any]]

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from jaxatt.attitude import euler
-from jaxatt.report.figure import CHEAP, COAST, FORBIDDEN, colour, tidy
+from jaxatt.drawing.figure import CHEAP, COAST, FORBIDDEN, colour, tidy
+from jaxatt.problems.answer import Answer
+from jaxatt.records.timeline import Timeline, timeline
 from jaxatt.report.limits import body_torque_limit
-from jaxatt.report.result import Result
-from jaxatt.report.timeline import Timeline, timeline
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 
@@ -26,9 +26,9 @@ _RPM = 60.0 / (2.0 * np.pi)
 _euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
 
 
-def shade(axes: Axes, result: Result, legend: bool = True) -> None:
+def shade(axes: Axes, result: Answer, legend: bool = True) -> None:
     """Shade windows and the coasting tail, and mark where a phase ends."""
-    line = timeline(result)
+    line = timeline(result.phases)
     priced = result.scenario.objective.kind == "moving-l0"
     cheap: dict[str, Any] = {"facecolor": CHEAP, "alpha": 0.45 if priced else 0.2, "linewidth": 0}
     forbidden: dict[str, Any] = {"facecolor": "none", "edgecolor": FORBIDDEN, "alpha": 0.5}
@@ -63,9 +63,9 @@ def shade(axes: Axes, result: Result, legend: bool = True) -> None:
         )
 
 
-def euler_angles(axes: Axes, result: Result) -> None:
+def euler_angles(axes: Axes, result: Answer) -> None:
     """Roll, pitch and yaw with dotted references."""
-    line = timeline(result)
+    line = timeline(result.phases)
     angles = np.unwrap(np.asarray(_euler(line.nodes["q_ob"])), axis=0)
     _lines(axes, line.time, np.degrees(angles), ANGLES)
     for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
@@ -84,9 +84,9 @@ def euler_angles(axes: Axes, result: Result) -> None:
     axes.set_ylabel("Euler angles\n[deg]")
 
 
-def relative_rate(axes: Axes, result: Result) -> None:
+def relative_rate(axes: Axes, result: Answer) -> None:
     """Rate of the body relative to the orbit frame."""
-    line = timeline(result)
+    line = timeline(result.phases)
     names = [rf"$\omega_{axis}$" for axis in AXES]
     _lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), names)
     for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
@@ -95,9 +95,9 @@ def relative_rate(axes: Axes, result: Result) -> None:
     axes.set_ylabel(rf"$\omega_{{{frame}}}^{{b}}$ [deg/s]")
 
 
-def wheel_speeds(axes: Axes, result: Result) -> None:
+def wheel_speeds(axes: Axes, result: Answer) -> None:
     """Speed of each wheel relative to the body, with limits where there are any."""
-    line = timeline(result)
+    line = timeline(result.phases)
     speeds = line.nodes["omega_bw"] * _RPM
     _lines(axes, line.time, speeds, [f"wheel {i + 1}" for i in range(speeds.shape[1])])
     vehicle = result.scenario.vehicle
@@ -107,9 +107,9 @@ def wheel_speeds(axes: Axes, result: Result) -> None:
     axes.set_ylabel("wheel speeds\n[rpm]")
 
 
-def states(axes: Axes, result: Result) -> None:
+def states(axes: Axes, result: Answer) -> None:
     """States of a toy system with dotted references."""
-    line = timeline(result)
+    line = timeline(result.phases)
     values = line.nodes["state"]
     _lines(axes, line.time, values, [rf"$x_{i + 1}$" for i in range(values.shape[1])])
     for phase, (start, end) in zip(result.phases, _spans(line), strict=True):
@@ -141,7 +141,7 @@ def pulses(
     axes.set_ylim(-reach, reach)
 
 
-def torque_rows(result: Result, kind: str) -> list[tuple[Floats, str, float]]:
+def torque_rows(result: Answer, kind: str) -> list[tuple[Floats, str, float]]:
     """Values (I,), name and limit of each torque in mN m; "body", "wheels" or "thrusters"."""
     vehicle = result.scenario.vehicle
     assert vehicle is not None
@@ -154,14 +154,14 @@ def torque_rows(result: Result, kind: str) -> list[tuple[Floats, str, float]]:
     else:
         limit = np.asarray(vehicle.wheels.torque_limit)
         names = [rf"$\tau_{{w,{i + 1}}}$" for i in range(len(limit))]
-    values = timeline(result).intervals[f"torque_{kind}"]
+    values = timeline(result.phases).intervals[f"torque_{kind}"]
     rows = zip(values.T * 1e3, names, limit * 1e3, strict=True)
     return [(row, name, float(most)) for row, name, most in rows]
 
 
-def torque(axes: Axes, result: Result, kind: str) -> None:
+def torque(axes: Axes, result: Answer, kind: str) -> None:
     """All torques of a kind in one panel."""
-    line = timeline(result)
+    line = timeline(result.phases)
     for index, (values, name, limit) in enumerate(torque_rows(result, kind)):
         pulses(axes, line, values, index, name, limit, opacity=0.15)
     if kind == "thrusters":
@@ -169,7 +169,7 @@ def torque(axes: Axes, result: Result, kind: str) -> None:
     axes.set_ylabel(f"{_TORQUES[kind]} torque\n[mN m]")
 
 
-def valves(axes: Axes, result: Result) -> None:
+def valves(axes: Axes, result: Answer) -> None:
     """When each thruster is open after quantisation, one row a thruster."""
     vehicle = result.scenario.vehicle
     assert vehicle is not None
@@ -188,9 +188,9 @@ def valves(axes: Axes, result: Result) -> None:
     axes.set_ylabel("open valves")
 
 
-def quaternion_components(axes: Axes, result: Result) -> None:
+def quaternion_components(axes: Axes, result: Answer) -> None:
     """Components of the attitude quaternion with dotted references, of the sign nearer the end."""
-    line = timeline(result)
+    line = timeline(result.phases)
     values = line.nodes["q_ob"]
     signs = np.cumprod(
         np.concatenate([[1.0], np.where(np.sum(values[1:] * values[:-1], axis=1) < 0, -1.0, 1.0)])
@@ -204,9 +204,9 @@ def quaternion_components(axes: Axes, result: Result) -> None:
     axes.set_ylabel("quaternion")
 
 
-def control(axes: Axes, result: Result) -> None:
+def control(axes: Axes, result: Answer) -> None:
     """Control of a toy system."""
-    line = timeline(result)
+    line = timeline(result.phases)
     pulses(axes, line, line.intervals["control"][:, 0], 0, "$u$", result.scenario.control.limit)
     axes.set_ylabel("control")
 

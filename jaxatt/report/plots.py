@@ -7,17 +7,17 @@ from pathlib import Path
 
 from matplotlib.axes import Axes
 
+from jaxatt.drawing.figure import Picture, picture, save
+from jaxatt.problems.answer import Answer
+from jaxatt.records.timeline import timeline
+from jaxatt.records.wording import OBJECTIVES, plural
 from jaxatt.report import panels, time_panels
-from jaxatt.report.figure import Picture, picture, save
-from jaxatt.report.files import filling
 from jaxatt.report.final_times import final_times_panels
 from jaxatt.report.pointing_plot import pointing_figure
-from jaxatt.report.result import Result
 from jaxatt.report.starts_panel import starts_panel
-from jaxatt.report.timeline import timeline
-from jaxatt.report.wording import OBJECTIVES, plural
+from jaxatt.runtime.files import filling
 
-Panel = Callable[[Axes, Result], None]
+Panel = Callable[[Axes, Answer], None]
 
 _ATTITUDE: Mapping[str, Panel] = {
     "euler_angles": panels.euler_angles,
@@ -34,7 +34,7 @@ _THRUSTERS: Mapping[str, Panel] = {
 _TOY: Mapping[str, Panel] = {"control": panels.control, "state": panels.states}
 
 
-def plot(result: Result) -> Picture:
+def plot(result: Answer) -> Picture:
     """Overview: every quantity over time, and how all starts ended."""
     chosen = list(_panels(result).values())
     phases = len(result.phases)
@@ -51,7 +51,7 @@ def plot(result: Result) -> Picture:
     return figure
 
 
-def figures(result: Result) -> dict[str, Picture]:
+def figures(result: Answer) -> dict[str, Picture]:
     """Every figure by its name, the overview included."""
     made = {"overview": plot(result)}
     for name, panel in _panels(result).items():
@@ -76,7 +76,7 @@ def figures(result: Result) -> dict[str, Picture]:
     return made
 
 
-def save_figures(result: Result, folder: str | Path) -> list[Path]:
+def save_figures(result: Answer, folder: str | Path) -> list[Path]:
     """Write every figure as a PNG file into a folder; return the files."""
     made = figures(result)
     with filling(folder) as partial:
@@ -85,7 +85,7 @@ def save_figures(result: Result, folder: str | Path) -> list[Path]:
     return [Path(folder) / f"{name}.png" for name in sorted(made)]
 
 
-def compare(results: Mapping[str, Result]) -> Picture:
+def compare(results: Mapping[str, Answer]) -> Picture:
     """Answers side by side: a column for each controller, as the source's figures show them."""
     chosen = list(_panels(next(iter(results.values()))).values())
     title = next(iter(results.values())).scenario.title
@@ -107,7 +107,7 @@ def compare(results: Mapping[str, Result]) -> Picture:
     return figure
 
 
-def headline(result: Result) -> str:
+def headline(result: Answer) -> str:
     """One line for the head of a figure."""
     kind = OBJECTIVES[result.scenario.objective.kind]
     if result.phases[0].time_optimum is not None:
@@ -117,7 +117,7 @@ def headline(result: Result) -> str:
     return f"{result.scenario.title}\n{kind}: {plural(count, 'active interval')}, {result.status}"
 
 
-def _panels(result: Result) -> Mapping[str, Panel]:
+def _panels(result: Answer) -> Mapping[str, Panel]:
     vehicle = result.scenario.vehicle
     if vehicle is None:
         return _TOY
@@ -133,16 +133,16 @@ def _panels(result: Result) -> Mapping[str, Panel]:
     return chosen
 
 
-def _torques(axes: Axes, result: Result, kind: str) -> None:
+def _torques(axes: Axes, result: Answer, kind: str) -> None:
     """All torques of a kind in one panel, with their switches."""
     panels.torque(axes, result, kind)
     time_panels.mark_switches(axes, result, kind)
 
 
-def _torque(result: Result, kind: str) -> Picture:
+def _torque(result: Answer, kind: str) -> Picture:
     """One row for each torque, so that short pulses of different axes do not hide each other."""
     rows = panels.torque_rows(result, kind)
-    line = timeline(result)
+    line = timeline(result.phases)
     figure = picture(8.0, 1.4 * len(rows) + 1.2, result.scenario.title)
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axes, (values, name, limit)) in enumerate(zip(grid, rows, strict=True)):
@@ -157,7 +157,7 @@ def _torque(result: Result, kind: str) -> Picture:
     return figure
 
 
-def _starts(row: list[Axes], result: Result) -> None:
+def _starts(row: list[Axes], result: Answer) -> None:
     toy = result.scenario.vehicle is None
     for index, (axes, phase) in enumerate(zip(row, result.phases, strict=True)):
         if phase.time_optimum is None:

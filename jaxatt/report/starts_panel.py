@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import Phase
+from jaxatt.drawing.figure import colour, tidy
+from jaxatt.records.phase import Phase
 
 
 def starts_panel(axes: Axes, phase: Phase, toy: bool = False) -> None:

@@ -8,7 +8,6 @@ apply holds null.  For the toy systems the names with N m hold values in the uni
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,10 +16,13 @@ from typing import Any
 import numpy as np
 
 from jaxatt.optimize.status import Status
-from jaxatt.report.files import replacing
+from jaxatt.problems.answer import Answer
+from jaxatt.records.phase import Phase
+from jaxatt.records.starts import StartsRecord
+from jaxatt.records.valves import Valves
+from jaxatt.records.wording import LIMITS
 from jaxatt.report.final_times import final_times_summary
-from jaxatt.report.result import Phase, Result, StartsRecord, Valves
-from jaxatt.report.wording import LIMITS
+from jaxatt.runtime.json_files import plain, write_json
 
 _ERRORS = {
     "attitude_error_deg": ("attitude", math.degrees(1.0)),
@@ -41,7 +43,7 @@ _SUMS = (
 _WORST = (*_ERRORS, "max_torque_violation_Nm", "max_complementarity_Nm")
 
 
-def summary(result: Result) -> dict[str, Any]:
+def summary(result: Answer) -> dict[str, Any]:
     """Plain numbers, texts and lists of a result, ready for JSON (no NaN, no arrays)."""
     phases = [_phase(phase) for phase in result.phases]
     several = len(phases) > 1
@@ -56,7 +58,7 @@ def summary(result: Result) -> dict[str, Any]:
         }
         for index, (phase, block) in enumerate(zip(result.phases, phases, strict=True))
     ]
-    numbers: dict[str, Any] = _clean(
+    numbers: dict[str, Any] = plain(
         {
             "scenario": result.scenario.name,
             **body,
@@ -75,18 +77,12 @@ def summary(result: Result) -> dict[str, Any]:
     return numbers
 
 
-def write_summary(result: Result, path: str | Path) -> None:
+def write_summary(result: Answer, path: str | Path) -> None:
     """Write the summary as a JSON file."""
     write_json(summary(result), path)
 
 
-def write_json(content: Mapping[str, Any], path: str | Path) -> None:
-    """Write a mapping as a JSON file, whole or not at all."""
-    with replacing(path) as partial:
-        partial.write_text(json.dumps(_clean(content), indent=2) + "\n", encoding="utf-8")
-
-
-def do_nothing_cost(result: Result) -> float | None:
+def do_nothing_cost(result: Answer) -> float | None:
     """The printed cost of applying no torque at all, where it is known."""
     known = result.extra.get("do_nothing_cost")
     if known is not None:
@@ -231,14 +227,3 @@ def _together(phases: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, 
         if phase["obstacle"]
     )
     return {name: together[name] for name in phases[0]}
-
-
-def _clean(value: Any) -> Any:
-    """Return plain Python for JSON; numbers that are not finite become None."""
-    if isinstance(value, Mapping):
-        return {str(key): _clean(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_clean(item) for item in value]
-    if hasattr(value, "tolist"):
-        return _clean(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -11,16 +11,17 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.problems.answer import Answer
+from jaxatt.records.phase import Phase
+from jaxatt.records.wording import LIMITS, OBJECTIVES, indices_text, limit_label, limit_text, short
 from jaxatt.report.final_times import cost_text, final_time_text
-from jaxatt.report.result import Phase, Result
 from jaxatt.report.summary import do_nothing_cost, summary
 from jaxatt.report.time_rows import time_rows
-from jaxatt.report.wording import LIMITS, OBJECTIVES, indices_text, limit_label, limit_text, short
 
 _Block = Mapping[str, Any]
 
 
-def result_table(result: Result) -> Table:
+def result_table(result: Answer) -> Table:
     """What came out, how well it was met, what all starts did and how long it took."""
     numbers = summary(result)
     blocks: list[_Block] = list(numbers["legs"])
@@ -171,7 +172,7 @@ def _controllers(headers: Sequence[str], title: str) -> Table:
     return table
 
 
-def do_nothing_sentence(result: Result) -> str:
+def do_nothing_sentence(result: Answer) -> str:
     """Say so where the printed cost is lowest at rest, or tumbling, short of the target."""
     cost = do_nothing_cost(result)
     if result.scenario.objective.terminal != "penalty" or cost is None:
@@ -196,7 +197,7 @@ def do_nothing_sentence(result: Result) -> str:
     )
 
 
-def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
+def _caption(result: Answer, numbers: Mapping[str, Any]) -> Text:
     time = ", ".join(f"{name} {value:.1f} s" for name, value in numbers["time_s"].items() if value)
     made = (
         f"{time}; seed {result.seed}, {result.device}, {result.precision}, "
@@ -206,7 +207,7 @@ def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
     return Text("\n".join(filter(None, [do_nothing_sentence(result), *notes, made])))
 
 
-def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
+def _rows(result: Answer) -> list[tuple[str, Callable[[_Block], str | Text]]]:
     first = result.phases[0]
     toy = "state" in first.errors
     rows: list[tuple[str, Callable[[_Block], str | Text]]] = [

@@ -10,17 +10,18 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from jaxatt.attitude import mrp
-from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import Phase, Result
-from jaxatt.report.timeline import timeline
+from jaxatt.drawing.figure import colour, tidy
+from jaxatt.problems.answer import Answer
+from jaxatt.records.phase import Phase
+from jaxatt.records.timeline import timeline
 from jaxatt.runtime.arrays import Floats
 
 _sigma = jax.jit(mrp.from_quaternion)
 
 
-def modified_rodrigues(axes: Axes, result: Result) -> None:
+def modified_rodrigues(axes: Axes, result: Answer) -> None:
     """MRP of the set inside the unit sphere, targets dotted; a line breaks where sets change."""
-    line = timeline(result)
+    line = timeline(result.phases)
     sigma = np.asarray(_sigma(line.nodes["q_ob"]))
     time, broken = _broken(line.time, sigma)
     for index in range(3):
@@ -33,7 +34,7 @@ def modified_rodrigues(axes: Axes, result: Result) -> None:
     axes.set_ylabel("MRP")
 
 
-def mark_switches(axes: Axes, result: Result, kind: str, only: int | None = None) -> None:
+def mark_switches(axes: Axes, result: Answer, kind: str, only: int | None = None) -> None:
     """Dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
     for phase in result.phases:
         optimum = phase.time_optimum

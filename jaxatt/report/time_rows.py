@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from jaxatt.report.wording import short
+from jaxatt.records.wording import short
 
 _SHOWN = 6
 

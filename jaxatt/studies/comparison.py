@@ -12,19 +12,21 @@ import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
+from jaxatt.drawing.figure import Picture
+from jaxatt.drawing.figure import save as save_figure
+from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
 from jaxatt.problems.scenario import TIME_KINDS
+from jaxatt.records.valves import Valves
+from jaxatt.records.wording import OBJECTIVES
 from jaxatt.report import plots
-from jaxatt.report.figure import Picture
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling
 from jaxatt.report.folder import save as save_result
-from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.result import Result, Valves
-from jaxatt.report.summary import summary, write_json
+from jaxatt.report.result import Result
+from jaxatt.report.summary import summary
 from jaxatt.report.tables import comparison_table
-from jaxatt.report.wording import OBJECTIVES
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.baseline import FlownPD, fly_pd_phases
 from jaxatt.studies.relative_sparsity import attainable
 from jaxatt.studies.time_comparison import TimeComparison, compare_times

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from handmade_results import assemble
 
+from jaxatt.drawing.rendering import as_text
+from jaxatt.records.final_times import FinalTimes
 from jaxatt.report import plots
 from jaxatt.report.archive import open_archive, write_archive
 from jaxatt.report.dataset import to_dataset
-from jaxatt.report.rendering import as_text
-from jaxatt.report.result import FinalTimes
 from jaxatt.report.summary import summary, write_summary
 from jaxatt.report.tables import comparison_table
 

@@ -7,10 +7,10 @@ import handmade_results
 import numpy as np
 import pytest
 
+from jaxatt.drawing.figure import picture
+from jaxatt.records.time_optimum import control_effort, switch_times
 from jaxatt.report import plots, time_panels
-from jaxatt.report.figure import picture
 from jaxatt.report.summary import summary
-from jaxatt.report.time_optimum import control_effort, switch_times
 
 
 @pytest.fixture(scope="module")

@@ -18,8 +18,12 @@ from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Task
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.toy.task import ToyTask
-from jaxatt.report.result import FinalTimes, Phase, PointingRecord, StartsRecord, Valves
-from jaxatt.report.wording import broken_limit, limit_label
+from jaxatt.records.final_times import FinalTimes
+from jaxatt.records.phase import Phase
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.starts import StartsRecord
+from jaxatt.records.valves import Valves
+from jaxatt.records.wording import broken_limit, limit_label
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
 

@@ -14,7 +14,7 @@ from jaxatt.problems.hands_off.search.search import Found, search
 from jaxatt.problems.hands_off.search.time_cost import Pricing
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Task
-from jaxatt.report.result import FinalTimes
+from jaxatt.records.final_times import FinalTimes
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.scenarios.valves import shortest_interval

@@ -14,8 +14,10 @@ from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
-from jaxatt.report.result import Phase, PointingRecord, StartsRecord
-from jaxatt.report.time_optimum import TimeOptimum, switch_times
+from jaxatt.records.phase import Phase
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.starts import StartsRecord
+from jaxatt.records.time_optimum import TimeOptimum, switch_times
 from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from jaxatt.problems.pointing.watch import Extreme
+from jaxatt.records.pointing import Extreme
 
 OBJECTIVES = {
     "l0": "L0",

@@ -1,4 +1,4 @@
-"""The phases of a result, one after another on one time axis."""
+"""The phases of an answer, one after another on one time axis."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.report.result import Phase, Result
+from jaxatt.records.phase import Phase
 from jaxatt.runtime.arrays import Flags, Floats
 
 NODE_SERIES = ("q_ob", "omega_ob", "omega_ib", "omega_bw", "state")
@@ -39,9 +39,8 @@ def node_times(phase: Phase) -> Floats:
     return np.asarray(phase.step * np.arange(count))
 
 
-def timeline(result: Result) -> Timeline:
+def timeline(phases: tuple[Phase, ...]) -> Timeline:
     """Join the phases; a phase's coasting tail is kept only where no other phase follows."""
-    phases = result.phases
     kept = [len(phase.active) for phase in phases[:-1]] + [len(node_times(phases[-1]))]
 
     def nodes(name: str) -> Floats:

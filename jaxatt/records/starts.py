@@ -1,0 +1,33 @@
+"""How all starts of one phase ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from jaxatt.runtime.arrays import Flags, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class StartsRecord:
+    """How every start ended; leading axis S.
+
+    status : (S,) `jaxatt.optimize.status.Status`.  reached : (S,), by re-simulation.
+    active_intervals : (S,).  effort : (S,), L1 effort.  long_way : (S,).  iterations : (S,).
+    shortfall : (S,), largest error in units of its tolerance.
+    distinct_minima : different answers among the starts that reached the target.
+    """
+
+    status: npt.NDArray[np.int64]
+    reached: Flags
+    active_intervals: npt.NDArray[np.int64]
+    effort: Floats
+    long_way: Flags
+    iterations: npt.NDArray[np.int64]
+    shortfall: Floats
+    distinct_minima: int
+
+    def __repr__(self) -> str:
+        return f"StartsRecord({int(self.reached.sum())} of {len(self.reached)} reached)"
