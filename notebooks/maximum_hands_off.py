@@ -439,7 +439,7 @@ for label, printed in printed_rows(two.scenario, "6.7").items():
             printed.get("active_intervals"),
             phase.active_intervals,
             printed.get("active_outside_windows"),
-            phase.active_outside_windows,
+            phase.section.outside_windows(phase.active),
             printed["iterations"],
             printed["cpu_time_nlp_s"],
         ]
@@ -490,9 +490,13 @@ rows = []
 for name, comparison in studies.items():
     result = comparison.results["moving-l0"]
     printed = comparison.scenario.printed.get("moving-l0", {})
-    inside = [np.flatnonzero(phase.active & phase.window).tolist() for phase in result.phases]
-    outside = [np.flatnonzero(phase.active & ~phase.window).tolist() for phase in result.phases]
-    weighted = sum(phase.weighted_active_intervals for phase in result.phases)
+    inside = [
+        np.flatnonzero(phase.active & phase.section.window).tolist() for phase in result.phases
+    ]
+    outside = [
+        np.flatnonzero(phase.active & ~phase.section.window).tolist() for phase in result.phases
+    ]
+    weighted = sum(phase.section.weighted(phase.active) for phase in result.phases)
     rows.append(
         [
             name,

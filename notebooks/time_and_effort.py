@@ -110,7 +110,7 @@ table(
             f"{r.phases[0].step:.4f}",
             f"{r.phases[0].control_effort:.4f}",
             f"{r.summary()['attitude_error_deg']:.1e}",
-            f"{100 * r.phases[0].time_optimum.share:.0f} %",
+            f"{100 * r.phases[0].section.share:.0f} %",
         ]
         for k, r in turns.items()
     ],

@@ -6,11 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from jaxatt.problems.scenario import Scenario
 from jaxatt.records.phase import Phase
-from jaxatt.records.wording import indices_text, plural
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,10 +48,5 @@ class Answer:
         return sum(phase.active_intervals for phase in self.phases)
 
     def __repr__(self) -> str:
-        name = type(self).__name__
-        if any(phase.time_optimum is not None for phase in self.phases):
-            total = sum(phase.final_time for phase in self.phases)
-            return f"{name}({self.scenario.name}: {self.status}, {total:.6g} s)"
-        count = plural(self.active_intervals, "active interval")
-        found = (indices_text(np.flatnonzero(phase.active).tolist()) for phase in self.phases)
-        return f"{name}({self.scenario.name}: {self.status}, {count}: {' | '.join(found)})"
+        found = self.phases[0].section.brief(self.phases)
+        return f"{type(self).__name__}({self.scenario.name}: {self.status}, {found})"

@@ -18,6 +18,11 @@ OBJECTIVES = {
 _SHOWN_RUNS = 12
 
 
+def objective_title(kind: str) -> str:
+    """What an objective is called in tables and figures."""
+    return OBJECTIVES.get(kind, kind)
+
+
 def indices_text(indices: Sequence[int]) -> str:
     """Indices as ranges, e.g. "0, 20-23, 49", cut short where there are many."""
     runs: list[list[int]] = []

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from jaxatt.drawing.figure import picture
-from jaxatt.records.time_optimum import control_effort, switch_times
-from jaxatt.report import plots, time_panels
+from jaxatt.problems.time_optimal.report import panels as time_panels
+from jaxatt.problems.time_optimal.switches import switch_times
+from jaxatt.records.phase import squared_effort
+from jaxatt.report import plots
 from jaxatt.report.summary import summary
 
 
@@ -51,7 +53,7 @@ def test_a_torque_within_its_limits_has_no_switches():
 
 
 def test_the_effort_is_the_integral_of_all_squares():
-    assert control_effort(np.array([[1.0, 2.0], [3.0, 0.0]]), 0.5) == 7.0
+    assert squared_effort(np.array([[1.0, 2.0], [3.0, 0.0]]), 0.5) == 7.0
 
 
 def test_the_summary_holds_time_step_effort_and_optimality(turn):

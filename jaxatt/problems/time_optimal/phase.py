@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 
 import numpy as np
@@ -12,12 +11,13 @@ from jaxatt.attitude import quaternion
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
+from jaxatt.problems.time_optimal.record import TimeOptimum
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
+from jaxatt.problems.time_optimal.switches import switch_times
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
 from jaxatt.records.phase import Phase
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
-from jaxatt.records.time_optimum import TimeOptimum, switch_times
 from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 
@@ -88,19 +88,16 @@ def _phase(
         switches = arcs.switches
     final = count * step
     return Phase(
+        family="time-optimal",
         start_time=0.0,
         step=step,
         controls=torque,
-        weight=np.ones(count),
-        window=np.zeros(count, bool),
-        forbidden=np.zeros(count, bool),
         series=series,
         reference={"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob},
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
         limit_violation=float(verdict.limit_violation[0]),
         margin_violation=float(verdict.margin_violation[0]),
-        max_complementarity=math.nan,
         objective={"time": final, "effort": scenario.objective.effort_weight * effort},
         effort=float(np.abs(torque).sum() * step),
         reached=reached,
@@ -119,7 +116,7 @@ def _phase(
             distinct_minima=found.minima,
         ),
         pointing=pointing,
-        time_optimum=TimeOptimum(
+        section=TimeOptimum(
             effort_weight=scenario.objective.effort_weight,
             cost=float(found.cost[best]),
             actuators=names,
