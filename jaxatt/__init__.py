@@ -1,13 +1,15 @@
 """Differentiable spacecraft attitude simulation and batched trajectory optimisation in JAX."""
 
 from jaxatt import scenarios
-from jaxatt.pipeline.certify import Certificate, certify
+from jaxatt.pipeline.certify import certify
 from jaxatt.pipeline.minimize import Minimum, minimize
 from jaxatt.pipeline.simulate import simulate
 from jaxatt.pipeline.solve import solve
+from jaxatt.problems.hands_off.report.certificate import Certificate
+from jaxatt.records.phase import Phase
 from jaxatt.report.archive import open_archive
 from jaxatt.report.flight_result import FlightResult
-from jaxatt.report.result import Phase, Result
+from jaxatt.report.result import Result
 from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.studies.comparison import compare

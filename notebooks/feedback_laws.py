@@ -28,7 +28,7 @@ import jaxatt
 from jaxatt import compare_flight, simulate
 from jaxatt.control.eigenaxis import Eigenaxis
 from jaxatt.control.krstic_tsiotras import KrsticTsiotras
-from jaxatt.report.figure import colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.report.flight_plots import angles, portraits
 from jaxatt.scenarios import load_flight, replace_in_flight
 from jaxatt.studies.imaging import compare_imaging

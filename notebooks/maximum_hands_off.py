@@ -43,7 +43,7 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import fly_pd
-from jaxatt.report.wording import indices_text
+from jaxatt.records.wording import indices_text
 from jaxatt.studies.comparison import compare
 
 jax.config.update("jax_enable_x64", True)
@@ -439,7 +439,7 @@ for label, printed in printed_rows(two.scenario, "6.7").items():
             printed.get("active_intervals"),
             phase.active_intervals,
             printed.get("active_outside_windows"),
-            phase.active_outside_windows,
+            phase.section.outside_windows(phase.active),
             printed["iterations"],
             printed["cpu_time_nlp_s"],
         ]
@@ -490,9 +490,13 @@ rows = []
 for name, comparison in studies.items():
     result = comparison.results["moving-l0"]
     printed = comparison.scenario.printed.get("moving-l0", {})
-    inside = [np.flatnonzero(phase.active & phase.window).tolist() for phase in result.phases]
-    outside = [np.flatnonzero(phase.active & ~phase.window).tolist() for phase in result.phases]
-    weighted = sum(phase.weighted_active_intervals for phase in result.phases)
+    inside = [
+        np.flatnonzero(phase.active & phase.section.window).tolist() for phase in result.phases
+    ]
+    outside = [
+        np.flatnonzero(phase.active & ~phase.section.window).tolist() for phase in result.phases
+    ]
+    weighted = sum(phase.section.weighted(phase.active) for phase in result.phases)
     rows.append(
         [
             name,

@@ -31,8 +31,8 @@ from IPython.display import Markdown, display
 
 import jaxatt
 from jaxatt import scenarios
+from jaxatt.records.wording import indices_text
 from jaxatt.report import plots
-from jaxatt.report.wording import indices_text
 from jaxatt.studies.comparison import compare
 from jaxatt.studies.relative_sparsity import attainable, relative_sparsity
 
@@ -126,7 +126,8 @@ for name in NAMES:
 
 # %%
 valves = {
-    name: {way.mode: way for way in result.phases[0].quantised} for name, result in results.items()
+    name: {way.mode: way for way in result.phases[0].section.quantised}
+    for name, result in results.items()
 }
 table(
     ["scenario", "valves", "active", "error [deg]", "rate [rad/s]", "partly open", "opposed"],
@@ -157,7 +158,7 @@ slow = jaxatt.solve(
     ),
     starts=STARTS,
 )
-way = slow.phases[0].quantised[0]
+way = slow.phases[0].section.quantised[0]
 widths = (way.shuts - way.opens)[way.shuts > way.opens]
 print(f"shortest opening {widths.min():.3f} s, {np.degrees(way.errors['attitude']):.1e} deg off")
 

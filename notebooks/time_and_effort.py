@@ -32,9 +32,9 @@ from IPython.display import Markdown, display
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.attitude import mrp
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.problems.time_optimal.phase import build_time_task
 from jaxatt.problems.time_optimal.random_paths import random_paths
-from jaxatt.report.figure import colour, picture, tidy
 from jaxatt.studies.time_comparison import compare_times
 
 jax.config.update("jax_enable_x64", True)
@@ -110,7 +110,7 @@ table(
             f"{r.phases[0].step:.4f}",
             f"{r.phases[0].control_effort:.4f}",
             f"{r.summary()['attitude_error_deg']:.1e}",
-            f"{100 * r.phases[0].time_optimum.share:.0f} %",
+            f"{100 * r.phases[0].section.share:.0f} %",
         ]
         for k, r in turns.items()
     ],

@@ -9,8 +9,12 @@ from typing import Any
 import numpy as np
 
 from jaxatt import scenarios
-from jaxatt.report.result import Phase, Result, StartsRecord
-from jaxatt.report.time_optimum import TimeOptimum, switch_times
+from jaxatt.problems.hands_off.record import SparseSection
+from jaxatt.problems.time_optimal.record import TimeOptimum
+from jaxatt.problems.time_optimal.switches import switch_times
+from jaxatt.records.phase import Phase
+from jaxatt.records.starts import StartsRecord
+from jaxatt.report.result import Result
 
 ACTIVE = (0, 20, 49)
 
@@ -40,12 +44,10 @@ def spacecraft_phase(scenario: scenarios.Scenario, index: int = 0, **changes: An
     rolled = np.stack([np.cos(half), np.sin(half), 0 * half, 0 * half], axis=1)
     angle = scenario.waypoint is not None
     phase = Phase(
+        family="hands-off",
         start_time=index * horizon.duration,
         step=horizon.step,
         controls=torque,
-        weight=scenarios.window_weights(scenario),
-        window=scenarios.window_mask(scenario),
-        forbidden=scenarios.forbidden_mask(scenario),
         series={
             "q_ob": rolled,
             "omega_ob": np.full((nodes, 3), 0.01),
@@ -61,15 +63,28 @@ def spacecraft_phase(scenario: scenarios.Scenario, index: int = 0, **changes: An
         | ({"waypoint": 0.1} if angle else {}),
         limit_violation=0.0,
         margin_violation=0.0,
-        max_complementarity=1e-8,
         objective={"rate": 1.0, "attitude": 2.0, "sparsity": 20.0},
         effort=5.6e-3,
         reached=True,
         failure_reason="",
         active=np.abs(torque).max(axis=1) > 1e-6,
         starts=starts_record(),
+        section=SparseSection(
+            weight=scenarios.window_weights(scenario),
+            window=scenarios.window_mask(scenario),
+            forbidden=scenarios.forbidden_mask(scenario),
+            max_complementarity=1e-8,
+        ),
     )
-    return dataclasses.replace(phase, **changes)
+    return changed(phase, **changes)
+
+
+def changed(phase: Phase, **changes: Any) -> Phase:
+    """A phase with other values of its own fields and of its section's."""
+    own = {field.name for field in dataclasses.fields(phase.section)}
+    section = {name: value for name, value in changes.items() if name in own}
+    rest = {name: value for name, value in changes.items() if name not in own}
+    return dataclasses.replace(phase, section=dataclasses.replace(phase.section, **section), **rest)
 
 
 def toy_phase(scenario: scenarios.Scenario) -> Phase:
@@ -78,25 +93,28 @@ def toy_phase(scenario: scenarios.Scenario) -> Phase:
     control = np.zeros((count, 1))
     control[:10] = -1.0
     return Phase(
+        family="toy",
         start_time=0.0,
         step=scenario.horizon.step,
         controls=control,
-        weight=np.ones(count),
-        window=np.zeros(count, bool),
-        forbidden=np.zeros(count, bool),
         series={"state": np.ones((count + 1, 2)), "control": control},
         reference={"state": np.zeros(2)},
         errors={"state": 1e-8},
         tolerances={"state": 1e-6},
         limit_violation=0.0,
         margin_violation=0.0,
-        max_complementarity=1e-6,
         objective={"sparsity": 10.0},
         effort=0.5,
         reached=True,
         failure_reason="",
         active=np.abs(control[:, 0]) > 0,
         starts=starts_record(),
+        section=SparseSection(
+            weight=np.ones(count),
+            window=np.zeros(count, bool),
+            forbidden=np.zeros(count, bool),
+            max_complementarity=1e-6,
+        ),
     )
 
 
@@ -166,26 +184,23 @@ def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Resul
     record = starts_record()
     cost = np.array([25.0, 24.5, 24.5, 82.0, math.nan, 24.5])
     phase = Phase(
+        family="time-optimal",
         start_time=0.0,
         step=step,
         controls=torque,
-        weight=np.ones(count),
-        window=np.zeros(count, bool),
-        forbidden=np.zeros(count, bool),
         series=series,
         reference={"q_ob": target.q_ob, "omega_ob": target.omega_ob},
         errors={"attitude": math.radians(0.1), "rate": 1e-9},
         tolerances={"attitude": target.attitude_tolerance, "rate": target.rate_tolerance},
         limit_violation=0.0,
         margin_violation=0.0,
-        max_complementarity=0.0,
         objective={"time": step * count, "effort": 0.5},
         effort=12.0,
         reached=True,
         failure_reason="",
         active=np.abs(torque).max(axis=1) > 0.0,
         starts=record,
-        time_optimum=TimeOptimum(
+        section=TimeOptimum(
             effort_weight=scenario.objective.effort_weight,
             cost=step * count + 0.5,
             actuators=tuple(f"wheel {i + 1}" for i in range(wheels))

@@ -52,5 +52,5 @@ def test_thrusters_turn_past_sun_and_moon():
         assert angle.min() >= cone.half_angle * (1 - 2e-6)
         np.testing.assert_allclose(found["nearest_deg"], np.rad2deg(angle.min()), atol=0.05)
     # Valves that are open or shut are judged against the cones as well.
-    valves = phase.quantised[0]
+    valves = phase.section.quantised[0]
     assert valves.reached == (not valves.failure_reason)

@@ -61,8 +61,10 @@ def test_moving_l0_stays_inside_the_window(name):
     for phase in result.phases:
         active = np.flatnonzero(phase.active)
         assert active.min() >= 20 and active.max() <= 30
-        assert phase.active_outside_windows == 0
-        np.testing.assert_allclose(phase.weighted_active_intervals, 0.001 * len(active), rtol=1e-9)
+        assert phase.section.outside_windows(phase.active) == 0
+        np.testing.assert_allclose(
+            phase.section.weighted(phase.active), 0.001 * len(active), rtol=1e-9
+        )
     if name == "hypso1-45-0-0":
         assert result.active_intervals == 2
 
@@ -74,10 +76,10 @@ def test_moving_l0_of_the_path():
     inside = np.zeros(50, bool)
     inside[7:15] = inside[35:43] = True
     outside = int((phase.active & ~inside).sum())
-    assert phase.active_outside_windows == outside
-    assert phase.weighted_active_intervals <= 3.0  # what the source's three outside cost
+    assert phase.section.outside_windows(phase.active) == outside
+    assert phase.section.weighted(phase.active) <= 3.0  # what the source's three outside cost
     expected = outside + 0.001 * (phase.active_intervals - outside)
-    np.testing.assert_allclose(phase.weighted_active_intervals, expected, rtol=1e-9)
+    np.testing.assert_allclose(phase.section.weighted(phase.active), expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("name", SLEWS[1:])

@@ -48,9 +48,9 @@ def test_the_final_time_is_that_of_ipopt(name, rho):
     phase = result.phases[0]
     assert result.reached
     assert phase.final_time == pytest.approx(IPOPT[name, rho], abs=2e-5)
-    assert phase.time_optimum.cost == pytest.approx(phase.final_time + rho * phase.control_effort)
-    assert phase.time_optimum.share >= 0.5
-    assert max(phase.time_optimum.kkt.values()) < 1e-5
+    assert phase.section.cost == pytest.approx(phase.final_time + rho * phase.control_effort)
+    assert phase.section.share >= 0.5
+    assert max(phase.section.kkt.values()) < 1e-5
 
 
 def test_the_printed_time_of_four_wheels():
@@ -64,7 +64,7 @@ def test_the_printed_time_of_four_wheels():
 def test_the_flight_confirms_runge_kutta_and_tells_eulers_error(name):
     phase = solved(name).phases[0]
     off = math.degrees(phase.errors["attitude"])
-    assert phase.time_optimum.own_error < 1e-6
+    assert phase.section.own_error < 1e-6
     if name.endswith("rk4"):
         assert off < 1e-3
     else:
@@ -74,7 +74,7 @@ def test_the_flight_confirms_runge_kutta_and_tells_eulers_error(name):
 def test_without_saturation_the_effort_is_cheap_and_there_are_no_switches():
     phase = solved("mrp-k4-rk4", 10.0).phases[0]
     assert np.abs(phase.series["torque_wheels"]).max() < 0.5
-    assert all(times.size == 0 for times in phase.time_optimum.switch_times)
+    assert all(times.size == 0 for times in phase.section.switch_times)
 
 
 def test_the_half_turn_beats_the_turn_about_its_axis():
@@ -83,7 +83,7 @@ def test_the_half_turn_beats_the_turn_about_its_axis():
     assert result.reached
     assert phase.final_time <= printed["final_time_s"] + 5e-4
     assert phase.final_time < printed["eigenaxis_final_time_s"] - 0.3
-    assert max(times.size for times in phase.time_optimum.switch_times) > 0
+    assert max(times.size for times in phase.section.switch_times) > 0
 
 
 def test_quaternions_and_mrp_are_the_same_turn():

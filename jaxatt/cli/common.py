@@ -28,7 +28,7 @@ def prepare_jax(cache: Path | None = None) -> None:
 def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:
     """The checked scenario and a folder that can be written: all that can be wrong beforehand."""
     from jaxatt import scenarios
-    from jaxatt.report.files import prepare_folder
+    from jaxatt.runtime.files import prepare_folder
 
     scenario = scenarios.load(case)
     given = {key: value for key, value in changes.items() if value is not None}
@@ -41,7 +41,7 @@ def show(table: RenderableType) -> None:
     """Print a table, plain where no terminal reads it."""
     from rich.console import Console
 
-    from jaxatt.report.rendering import as_text
+    from jaxatt.drawing.rendering import as_text
 
     console = Console()
     if console.is_terminal:
@@ -82,7 +82,7 @@ def shortfall(result: Result) -> str:
 @contextmanager
 def clean_exit() -> Iterator[None]:
     """Turn bad input and interruption into a message and an exit code."""
-    from jaxatt.report.files import OutputError
+    from jaxatt.runtime.files import OutputError
     from jaxatt.scenarios import ScenarioError
 
     try:

@@ -68,7 +68,7 @@ def _kind(case: str) -> str:
 def _compare_flight(
     case: str, seed: int | None, out: Path | None, cache: Path | None, quiet: bool
 ) -> None:
-    from jaxatt.report.files import prepare_folder
+    from jaxatt.runtime.files import prepare_folder
 
     prepare_jax(cache)
     from jaxatt.runtime.progress import Reporter
@@ -85,7 +85,7 @@ def _compare_flight(
 
 
 def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
-    from jaxatt.report.files import prepare_folder
+    from jaxatt.runtime.files import prepare_folder
 
     folder = prepare_folder(out or Path("results") / case)
     prepare_jax()

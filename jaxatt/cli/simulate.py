@@ -32,7 +32,7 @@ def simulate(
 ) -> None:
     """Fly a feedback law, once or in a campaign of thousands of runs."""
     with clean_exit():
-        from jaxatt.report.files import prepare_folder
+        from jaxatt.runtime.files import prepare_folder
         from jaxatt.scenarios import load_flight
 
         prepare_jax(compile_cache)

@@ -28,7 +28,7 @@ def sweep(
     """Time and effort against the weight of effort, and the front between the two."""
     with clean_exit():
         weights = None if rho is None else _weights(rho)
-        from jaxatt.report.files import prepare_folder
+        from jaxatt.runtime.files import prepare_folder
         from jaxatt.scenarios import load
 
         loaded = [load(case) for case in cases]

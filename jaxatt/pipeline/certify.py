@@ -9,20 +9,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
-from rich.table import Table
 
 from jaxatt import scenarios
 from jaxatt.pipeline.solve import solve
 from jaxatt.problems.hands_off.build import build_slew
+from jaxatt.problems.hands_off.certificate import ClassRecord, PhaseCertificate
+from jaxatt.problems.hands_off.report.certificate import Certificate
 from jaxatt.problems.hands_off.search.candidates import support_of
 from jaxatt.problems.hands_off.search.enumeration import (
-    Enumerated,
     SupportClass,
     classes_up_to,
     enumerate_class,
@@ -34,18 +32,8 @@ from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Task
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import TIME_KINDS
-from jaxatt.report import certificate_report
-from jaxatt.report.figure import Picture
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling, replacing
-from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.result import Phase, Result
-from jaxatt.report.summary import write_json
-from jaxatt.runtime.arrays import Flags
+from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report, chunk_for
-
-if TYPE_CHECKING:
-    import xarray
 
 MOST_SUPPORTS = 50_000
 """Supports that are tried without being asked for more, both ways round counted once."""
@@ -53,116 +41,6 @@ MOST_SUPPORTS = 50_000
 _ATTEMPTS = 4
 _FLOWN = 32
 _SECONDS_A_SUPPORT = 2e-4
-
-
-@dataclass(frozen=True)
-class ClassRecord:
-    """What became of the supports of one class.
-
-    kind : which supports.  short, long : tried the short and the long way round; None if the class
-    is out of reach, or where there is but one way.  seconds : wall clock, or what it would take.
-    """
-
-    kind: SupportClass
-    short: Enumerated | None
-    long: Enumerated | None
-    seconds: float
-
-    @property
-    def tried(self) -> bool:
-        """Whether all supports of the class were tried."""
-        return self.short is not None
-
-    @property
-    def reached(self) -> Flags:
-        """(S,) supports that reach one way round or the other."""
-        if self.short is None:
-            return np.zeros(0, bool)
-        return self.short.reached if self.long is None else self.short.reached | self.long.reached
-
-
-@dataclass(frozen=True, eq=False)
-class PhaseCertificate:
-    """Certificate of one phase.
-
-    found : the verified answer.  found_cost : its weighted count.
-    cheaper, equal : classes of supports that cost less, and as much.
-    best : (K, 2) interval and group of the best support of the found cost by L1 effort, verified in
-    flight; None if those were out of reach.  best_effort : [N m s].  best_long : the way round.
-    consistent : whether the answer's own support was found to reach, as it must be.
-    """
-
-    found: Phase
-    found_cost: float
-    cheaper: tuple[ClassRecord, ...]
-    equal: tuple[ClassRecord, ...]
-    best: npt.NDArray[np.int64] | None
-    best_effort: float | None
-    best_long: bool
-    consistent: bool = True
-
-    @property
-    def minimal(self) -> bool:
-        """Whether every cheaper support was tried, by a method to be trusted, and none reached."""
-        nothing = all(record.tried and not record.reached.any() for record in self.cheaper)
-        return self.found.reached and self.consistent and nothing
-
-    @property
-    def refuted(self) -> bool:
-        """Whether a cheaper support reaches."""
-        return any(record.reached.any() for record in self.cheaper)
-
-
-@dataclass(frozen=True, eq=False)
-class Certificate:
-    """What was shown of the answer of a solve, and what was only tried."""
-
-    result: Result
-    phases: tuple[PhaseCertificate, ...]
-
-    @property
-    def minimal(self) -> bool:
-        """Whether no phase has a cheaper support that reaches, all of them tried."""
-        return all(phase.minimal for phase in self.phases)
-
-    def sentences(self) -> list[str]:
-        """What was shown, in words."""
-        return certificate_report.sentences(self)
-
-    def table(self) -> Table:
-        """The classes of supports and what became of them."""
-        return certificate_report.table(self)
-
-    def plot(self) -> Picture:
-        """Map of the feasible pairs of intervals."""
-        return certificate_report.plot(self)
-
-    def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
-        return certificate_report.to_dict(self)
-
-    def to_dataset(self) -> xarray.Dataset:
-        """Every support of the found cost, with effort and residual both ways round."""
-        return certificate_report.to_dataset(self)
-
-    def save(self, folder: str | Path) -> list[Path]:
-        """Write certificate.json, certificate.nc and certificate.png; all of them, or none."""
-        names = ("certificate.json", "certificate.nc", "certificate.png")
-        with filling(folder) as partial:
-            write_json(self.to_dict(), partial / names[0])
-            with replacing(partial / names[1]) as path:
-                self.to_dataset().to_netcdf(path, engine="h5netcdf")
-            save_figure(self.plot(), partial / names[2])
-        return [Path(folder) / name for name in names]
-
-    def __repr__(self) -> str:
-        return f"Certificate({self.result.scenario.name}: {' '.join(self.sentences())})"
-
-    def __str__(self) -> str:
-        return as_text(self.table()) + "\n" + "\n".join(self.sentences())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.table()) + "".join(f"<p>{s}</p>" for s in self.sentences())
 
 
 def certify(

@@ -15,7 +15,8 @@ from jaxatt import scenarios
 from jaxatt.problems.family import PhaseStart, SearchOptions
 from jaxatt.problems.hands_off.phase import constraint_margin_notes
 from jaxatt.problems.registry import family_of
-from jaxatt.report.result import Phase, Result
+from jaxatt.records.phase import Phase
+from jaxatt.report.result import Result
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.clock import compile_seconds

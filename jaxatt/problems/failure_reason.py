@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 from jaxatt.optimize.status import Status
 from jaxatt.problems.verdict import Verdict
-from jaxatt.report.result import PointingRecord
-from jaxatt.report.wording import broken_limit
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.wording import broken_limit
 
 _ERROR_WORDS = {
     "attitude": "the target attitude",

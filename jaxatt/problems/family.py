@@ -10,7 +10,8 @@ from typing import Any
 
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
-from jaxatt.report.result import Phase
+from jaxatt.problems.sections import Sections
+from jaxatt.records.phase import Phase
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -55,6 +56,7 @@ class Family(ABC):
     systems : values of `system` in a scenario that it answers to, e.g. "spacecraft".
     kinds : values of `objective.kind` that it answers to; the first is the default.
     tables : name of a TOML table -> keys it may hold.
+    sections : what it adds to a report.
 
     A new family is a subclass in a folder of its own and a line in `jaxatt.problems.registry`, or a
     call of `register` from outside the package.  Nothing else asks which family an answer is from.
@@ -64,6 +66,7 @@ class Family(ABC):
     systems: tuple[str, ...]
     kinds: tuple[str, ...]
     tables: Mapping[str, tuple[str, ...]]
+    sections: Sections
 
     @abstractmethod
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:

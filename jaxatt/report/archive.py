@@ -5,15 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from jaxatt.problems.answer import Answer
 from jaxatt.report.dataset import to_dataset
-from jaxatt.report.files import replacing
-from jaxatt.report.result import Result
+from jaxatt.runtime.files import replacing
 
 if TYPE_CHECKING:
     import xarray
 
 
-def write_archive(result: Result, path: str | Path) -> None:
+def write_archive(result: Answer, path: str | Path) -> None:
     """Write `to_dataset(result)` as a netCDF file, whole or not at all."""
     with replacing(path) as partial:
         to_dataset(result).to_netcdf(partial, engine="h5netcdf")

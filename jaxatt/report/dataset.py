@@ -9,16 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jaxatt.optimize.status import Status
-from jaxatt.report.final_times import final_times_variables
-from jaxatt.report.result import Phase, Result
-from jaxatt.report.timeline import node_times
+from jaxatt.problems.answer import Answer
+from jaxatt.problems.sections import Sections
+from jaxatt.records.labels import Label, Variable, labelled
+from jaxatt.records.phase import Phase
+from jaxatt.records.timeline import at_nodes, node_times
+from jaxatt.report.family import sections_of
 
 if TYPE_CHECKING:
     import xarray
 
-_Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
-
-_SERIES = {
+_SERIES: Mapping[str, Label] = {
     "q_ob": (("time", "quaternion"), "1", "attitude of the body relative to the orbit frame"),
     "omega_ob": (("time", "axis"), "rad/s", "rate relative to the orbit frame, in body axes"),
     "omega_ib": (("time", "axis"), "rad/s", "rate relative to the inertial frame, in body axes"),
@@ -26,38 +27,36 @@ _SERIES = {
     "torque_body": (("interval", "axis"), "N m", "torque on the wheels in body axes"),
     "torque_wheels": (("interval", "wheel"), "N m", "torque on each wheel"),
     "torque_thrusters": (("interval", "thruster"), "N m", "torque of each thruster, relaxed"),
-    "state": (("time", "component"), "1", "state"),
-    "control": (("interval", "input"), "1", "control"),
 }
-_REFERENCES = {
-    "q_ob": (("quaternion",), "1", "target attitude"),
+_REFERENCES: Mapping[str, Label] = {
+    "q_ob_reference": (("quaternion",), "1", "target attitude"),
     "waypoint": (("quaternion",), "1", "attitude to pass"),
-    "omega_ob": (("axis",), "rad/s", "target rate relative to the orbit frame"),
-    "state": (("component",), "1", "target state"),
+    "omega_ob_reference": (("axis",), "rad/s", "target rate relative to the orbit frame"),
 }
 _ERROR_UNITS = {"attitude": "rad", "rate": "rad/s", "waypoint": "rad", "state": "1"}
 
 
-def to_dataset(result: Result) -> xarray.Dataset:
+def to_dataset(result: Answer) -> xarray.Dataset:
     """Labelled arrays of a result, SI units and radians, with what made them as attributes.
 
     Dimensions are `time` (nodes, from the phase's start [s]), `interval`, `axis`, `wheel`,
-    `quaternion` (scalar first) and `start`, `component` and `input` for a toy; where the case has
+    `quaternion` (scalar first) and `start`, and those of the family's own; where the case has
     several phases, `leg` comes first everywhere.  Where the phases' intervals differ in length,
     `time` holds node numbers and `node_time` (phase, time) the times.
     """
     import xarray
 
+    sections = sections_of(result)
     alternative = any(phase.alternative is not None for phase in result.phases)
-    tried = (phase.final_times for phase in result.phases if phase.final_times is not None)
-    trials = max((len(times.how) for times in tried), default=0)
     together = len({phase.step for phase in result.phases}) == 1
     parts = [
         xarray.Dataset(
-            _variables(phase, alternative)
-            | final_times_variables(phase, trials)
+            _variables(phase, sections.labels, alternative)
+            | dict(sections.variables(phase, result.phases))
             | ({} if together else _times(phase, "node_time")),
-            _coordinates(phase) | (_times(phase) if together else _numbers(phase)),
+            _coordinates(phase)
+            | dict(sections.coordinates(phase))
+            | (_times(phase) if together else _numbers(phase)),
         )
         for phase in result.phases
     ]
@@ -67,12 +66,12 @@ def to_dataset(result: Result) -> xarray.Dataset:
         numbers = xarray.Variable("leg", np.arange(1, len(parts) + 1), {"long_name": "leg"})
         dataset = xarray.concat(parts, dim="leg", data_vars="all", coords="minimal", join="exact")
         dataset = dataset.assign_coords(leg=numbers)
-    return dataset.assign_attrs(_attributes(result))
+    return dataset.assign_attrs(_attributes(result, sections))
 
 
-def _coordinates(phase: Phase) -> dict[str, _Variable]:
+def _coordinates(phase: Phase) -> dict[str, Variable]:
     times, count = node_times(phase), len(phase.active)
-    coordinates: dict[str, _Variable] = {
+    coordinates: dict[str, Variable] = {
         "coasting": (
             ("time",),
             times > phase.step * (count + 0.5),
@@ -93,9 +92,10 @@ def _coordinates(phase: Phase) -> dict[str, _Variable]:
             {"units": "rad", "long_name": "half angle"},
         )
     if "q_ob" in phase.series:
-        wheels = phase.series["omega_bw"].shape[1]
         coordinates["axis"] = (("axis",), ["x", "y", "z"], {"long_name": "body axis"})
-        coordinates["wheel"] = (("wheel",), np.arange(1, wheels + 1), {"long_name": "wheel"})
+        if "omega_bw" in phase.series:
+            count = phase.series["omega_bw"].shape[1]
+            coordinates["wheel"] = (("wheel",), np.arange(1, count + 1), {"long_name": "wheel"})
         if "torque_thrusters" in phase.series:
             count = phase.series["torque_thrusters"].shape[1]
             words = {"long_name": "thruster"}
@@ -105,13 +105,10 @@ def _coordinates(phase: Phase) -> dict[str, _Variable]:
             ["w", "x", "y", "z"],
             {"long_name": "quaternion component, scalar first"},
         )
-    else:
-        components = [f"x{i + 1}" for i in range(phase.series["state"].shape[1])]
-        coordinates["component"] = (("component",), components, {"long_name": "state component"})
     return coordinates
 
 
-def _times(phase: Phase, nodes: str = "time") -> dict[str, _Variable]:
+def _times(phase: Phase, nodes: str = "time") -> dict[str, Variable]:
     """Times of nodes and intervals from the phase's start."""
     return {
         nodes: (
@@ -127,66 +124,69 @@ def _times(phase: Phase, nodes: str = "time") -> dict[str, _Variable]:
     }
 
 
-def _numbers(phase: Phase) -> dict[str, _Variable]:
+def _numbers(phase: Phase) -> dict[str, Variable]:
     """Numbers of the nodes, where their times differ from phase to phase."""
     return {"time": (("time",), np.arange(len(node_times(phase))), {"long_name": "node"})}
 
 
-def _variables(phase: Phase, alternative: bool) -> dict[str, _Variable]:
+def _label(phase: Phase, name: str, own: Mapping[str, Label]) -> Label:
+    """Axes, unit and words of a series or reference."""
+    known = {**_SERIES, **_REFERENCES, **own}
+    if name in known:
+        return known[name]
+    series = name.removesuffix("_reference")
+    values = phase.series[name] if name in phase.series else phase.reference[series]
+    inner = tuple(f"{series}_{i + 1}" for i in range(np.ndim(values) - (name in phase.series)))
+    if name not in phase.series:
+        return inner, "", f"target of {series}"
+    return ("time" if at_nodes(phase, name) else "interval", *inner), "", name
+
+
+def _variables(phase: Phase, own: Mapping[str, Label], alternative: bool) -> dict[str, Variable]:
     variables = {
-        name: _labelled(phase.series[name], *_SERIES[name])
-        for name in _SERIES
-        if name in phase.series
+        name: labelled(values, *_label(phase, name, own)) for name, values in phase.series.items()
     }
-    for name, labels in _REFERENCES.items():
-        if name in phase.reference:
-            key = name if name == "waypoint" else f"{name}_reference"
-            variables[key] = _labelled(phase.reference[name], *labels)
+    for name, values in phase.reference.items():
+        key = name if name in _REFERENCES else f"{name}_reference"
+        variables[key] = labelled(values, *_label(phase, key, own))
     variables |= {
-        "weight": _labelled(phase.weight, ("interval",), "1", "cost of the interval if active"),
-        "window": _labelled(phase.window, ("interval",), "", "whether in a cheap window"),
-        "forbidden": _labelled(phase.forbidden, ("interval",), "", "whether torque is forbidden"),
-        "active": _labelled(phase.active, ("interval",), "", "whether above the threshold"),
-        "leg_start": _labelled(phase.start_time, (), "s", "time at which the leg starts"),
-        "reached": _labelled(phase.reached, (), "", "whether the flight is within all tolerances"),
-        "effort": _labelled(
+        "active": labelled(phase.active, ("interval",), "", "whether above the threshold"),
+        "leg_start": labelled(phase.start_time, (), "s", "time at which the leg starts"),
+        "reached": labelled(phase.reached, (), "", "whether the flight is within all tolerances"),
+        "effort": labelled(
             phase.effort, (), "N m s" if "q_ob" in phase.series else "1", "L1 effort over all axes"
+        ),
+        "final_time": labelled(phase.final_time, (), "s", "length of the leg"),
+        "step": labelled(phase.step, (), "s", "length of an interval"),
+        "control_effort": labelled(
+            phase.control_effort, (), "N2 m2 s" if "q_ob" in phase.series else "1", "squared effort"
         ),
     }
     for name, error in phase.errors.items():
         unit = _ERROR_UNITS.get(name, "1")
-        variables[f"{name}_error"] = _labelled(error, (), unit, f"{name} error at its node")
-        variables[f"{name}_tolerance"] = _labelled(
+        variables[f"{name}_error"] = labelled(error, (), unit, f"{name} error at its node")
+        variables[f"{name}_tolerance"] = labelled(
             phase.tolerances[name], (), unit, f"allowed {name} error"
         )
     for name, cost in phase.objective.items():
-        variables[f"objective_{name}"] = _labelled(cost, (), "1", f"{name} part of the objective")
+        variables[f"objective_{name}"] = labelled(cost, (), "1", f"{name} part of the objective")
     if alternative:
         other = phase if phase.alternative is None else phase.alternative
-        known = ("torque_body", "torque_thrusters", "control")
-        key = next(name for name in known if name in phase.series)
-        variables[f"alternative_{key}"] = _labelled(
-            other.series[key], _SERIES[key][0], _SERIES[key][1], "of the best answer that reaches"
+        held = [name for name in phase.series if not at_nodes(phase, name)]
+        key = next((name for name in ("torque_body", "torque_thrusters") if name in held), held[0])
+        dims, units, _ = _label(phase, key, own)
+        variables[f"alternative_{key}"] = labelled(
+            other.series[key], dims, units, "of the best answer that reaches"
         )
-    for valves in phase.quantised[:1]:
-        flown: dict[str, tuple[Any, tuple[str, ...], str, str]] = {
-            "opens": (valves.opens, ("interval", "thruster"), "s", "opening after its start"),
-            "shuts": (valves.shuts, ("interval", "thruster"), "s", "shutting after its start"),
-            "q_ob": (valves.q_ob, ("time", "quaternion"), "1", "attitude with valves"),
-            "omega_ob": (valves.omega_ob, ("time", "axis"), "rad/s", "rate with valves"),
-            "attitude_error": (valves.errors["attitude"], (), "rad", "attitude error with valves"),
-            "rate_error": (valves.errors["rate"], (), "rad/s", "rate error with valves"),
-        }
-        variables |= {f"quantised_{name}": _labelled(*rest) for name, rest in flown.items()}
     if phase.pointing is not None:
         record = phase.pointing
-        variables["cone_angle"] = _labelled(
+        variables["cone_angle"] = labelled(
             record.angles, ("fine_time", "cone"), "rad", "angle of boresight and direction"
         )
-    return variables | _starts(phase) | _time_optimum(phase)
+    return variables | _starts(phase)
 
 
-def _starts(phase: Phase) -> dict[str, _Variable]:
+def _starts(phase: Phase) -> dict[str, Variable]:
     starts, along = phase.starts, ("start",)
     status = {
         "long_name": "how the start ended",
@@ -202,42 +202,15 @@ def _starts(phase: Phase) -> dict[str, _Variable]:
         "shortfall": ("1", "largest error in units of its tolerance"),
     }
     variables = {
-        f"start_{name}": _labelled(getattr(starts, name), along, *words)
+        f"start_{name}": labelled(getattr(starts, name), along, *words)
         for name, words in labels.items()
+        if getattr(starts, name) is not None
     }
-    minima = _labelled(starts.distinct_minima, (), "1", "different answers among those that reach")
+    minima = labelled(starts.distinct_minima, (), "1", "different answers among those that reach")
     return variables | {"start_status": (along, starts.status, status), "distinct_minima": minima}
 
 
-def _time_optimum(phase: Phase) -> dict[str, _Variable]:
-    variables = {
-        "final_time": _labelled(phase.final_time, (), "s", "length of the leg"),
-        "step": _labelled(phase.step, (), "s", "length of an interval"),
-        "control_effort": _labelled(
-            phase.control_effort, (), "N2 m2 s" if "q_ob" in phase.series else "1", "squared effort"
-        ),
-    }
-    optimum = phase.time_optimum
-    if optimum is None:
-        return variables
-    return variables | {
-        "start_cost": _labelled(optimum.start_costs, ("start",), "s", "cost at the end"),
-        "start_final_time": _labelled(optimum.start_times, ("start",), "s", "final time"),
-        "cost": _labelled(optimum.cost, (), "s", "time and weighted effort"),
-        "kkt_violation": _labelled(optimum.violation, (), "1", "largest violation"),
-        "kkt_stationarity": _labelled(optimum.stationarity, (), "1", "Lagrangian's gradient"),
-        "share_at_best": _labelled(optimum.share, (), "1", "share of starts at the best minimum"),
-        "own_error": _labelled(
-            optimum.own_error, (), "rad", "attitude error where the transcription ends"
-        ),
-    }
-
-
-def _labelled(values: Any, dims: tuple[str, ...], units: str, words: str) -> _Variable:
-    return dims, np.asarray(values), {"long_name": words} | ({"units": units} if units else {})
-
-
-def _attributes(result: Result) -> Mapping[str, Any]:
+def _attributes(result: Answer, sections: Sections) -> Mapping[str, Any]:
     scenario = result.scenario
     return {
         "scenario": scenario.name,
@@ -254,14 +227,8 @@ def _attributes(result: Result) -> Mapping[str, Any]:
         "device": result.device,
         "precision": result.precision,
         "versions": json.dumps(dict(result.versions)),
-        "switch_times_s": json.dumps(
-            [
-                None
-                if phase.time_optimum is None
-                else phase.time_optimum.to_dict()["switch_times_s"]
-                for phase in result.phases
-            ]
-        ),
+        "switch_times_s": json.dumps([None] * len(result.phases)),
         "notes": json.dumps(list(result.notes)),
         **{f"time_{name}_s": float(seconds) for name, seconds in result.time.items()},
+        **sections.attributes(result),
     }

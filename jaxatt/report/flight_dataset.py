@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jaxatt.report.flight_result import ENDINGS, FlightResult
+from jaxatt.report.flight_record import ENDINGS, FlightRecord
 from jaxatt.report.flight_summary import AXES
 from jaxatt.simulation.settling import CHANNELS
 
@@ -25,7 +25,7 @@ _SERIES = {
 }
 
 
-def flight_dataset(result: FlightResult) -> xarray.Dataset:
+def flight_dataset(result: FlightRecord) -> xarray.Dataset:
     """Dimensions run, time (records [s]), axis, wheel, quaternion (scalar first) and channel."""
     import xarray
 

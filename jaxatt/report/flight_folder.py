@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jaxatt.report.figure import save
-from jaxatt.report.files import filling
+from jaxatt.drawing.figure import save
 from jaxatt.report.flight_dataset import flight_dataset
 from jaxatt.report.flight_plots import overview, phase_portrait
-from jaxatt.report.flight_result import FlightResult
+from jaxatt.report.flight_record import FlightRecord
 from jaxatt.report.flight_summary import flight_summary
-from jaxatt.report.summary import write_json
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 
 
-def save_flight(result: FlightResult, folder: str | Path) -> list[Path]:
+def save_flight(result: FlightRecord, folder: str | Path) -> list[Path]:
     """Write summary, archive and figures; all of them appear, or none."""
     with filling(folder) as partial:
         write_json(flight_summary(result), partial / "summary.json")

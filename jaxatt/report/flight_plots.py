@@ -8,23 +8,23 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from jaxatt.report.figure import Picture, colour, picture, tidy
-from jaxatt.report.flight_result import FlightResult
+from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.records.wording import plural
+from jaxatt.report.flight_record import FlightRecord
 from jaxatt.report.flight_summary import AXES
-from jaxatt.report.wording import plural
 from jaxatt.runtime.arrays import Floats
 
 _RPM = 60.0 / (2.0 * np.pi)
 _SHOWN = 200  # runs of which a phase portrait draws a line
 
 
-def angles(result: FlightResult) -> Floats:
+def angles(result: FlightRecord) -> Floats:
     """Error angles 2 asin(eps) of every run, (R, records, 3) [deg]."""
     error = np.asarray(result.flown.recorded.error)
     return np.asarray(np.degrees(2.0 * np.arcsin(np.clip(error, -1.0, 1.0))))
 
 
-def _series(result: FlightResult) -> list[tuple[str, Floats, list[str]]]:
+def _series(result: FlightRecord) -> list[tuple[str, Floats, list[str]]]:
     flown = result.flown.recorded
     wheels = [f"wheel {k + 1}" for k in range(result.scenario.vehicle.wheels.count)]
     start = np.asarray(result.scenario.initial.omega_bw)
@@ -39,7 +39,7 @@ def _series(result: FlightResult) -> list[tuple[str, Floats, list[str]]]:
     return rows
 
 
-def overview(result: FlightResult) -> Picture:
+def overview(result: FlightRecord) -> Picture:
     """Median, the middle 50 and 90 % of the runs that flew to the end, over time."""
     rows = _series(result)
     head = _head(result)
@@ -56,7 +56,7 @@ def overview(result: FlightResult) -> Picture:
     return figure
 
 
-def _head(result: FlightResult) -> str:
+def _head(result: FlightRecord) -> str:
     title = result.scenario.law_titles.get(result.law, result.law)
     return f"{result.scenario.title}\n{title}: {plural(result.runs, 'run')}"
 
@@ -80,17 +80,17 @@ def _bands(axes: Axes, time: Floats, values: Floats, names: list[str]) -> None:
     tidy(axes)
 
 
-def _command(axes: Axes, result: FlightResult) -> None:
+def _command(axes: Axes, result: FlightRecord) -> None:
     if result.scenario.asked.since > 0.0:
         axes.axvline(result.scenario.asked.since, color="#444444", linewidth=0.8, linestyle=":")
 
 
-def phase_portrait(result: FlightResult) -> Picture:
+def phase_portrait(result: FlightRecord) -> Picture:
     """Rate error over attitude error, an axis a panel."""
     return portraits({result.law: result})
 
 
-def portraits(results: Mapping[str, FlightResult]) -> Picture:
+def portraits(results: Mapping[str, FlightRecord]) -> Picture:
     """Phase portraits of several laws in the same panels."""
     first = next(iter(results.values()))
     moving = _moving(list(results.values()))
@@ -126,7 +126,7 @@ def portraits(results: Mapping[str, FlightResult]) -> Picture:
     return figure
 
 
-def _moving(results: list[FlightResult]) -> list[int]:
+def _moving(results: list[FlightRecord]) -> list[int]:
     """Axes on which some run leaves the reference; all of them where none does."""
     largest = np.zeros(len(AXES))
     for result in results:
@@ -138,7 +138,7 @@ def _moving(results: list[FlightResult]) -> list[int]:
     return found.tolist() if len(found) else list(range(len(AXES)))
 
 
-def compare(results: Mapping[str, FlightResult]) -> Picture:
+def compare(results: Mapping[str, FlightRecord]) -> Picture:
     """Nominal runs side by side: a column for each law."""
     first = next(iter(results.values()))
     rows = len(_series(first))

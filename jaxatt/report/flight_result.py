@@ -1,129 +1,47 @@
-"""What a simulation returns: the runs, their figures, and what made them."""
+"""What a simulation returns: its record with everything that shows it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
+from matplotlib.figure import Figure
 
-from jaxatt.report.wording import plural
-from jaxatt.runtime.arrays import Flags, Floats
-from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.simulation.campaign import Spread
-from jaxatt.simulation.closed_loop import FLYING, NOT_FINITE, TUMBLING, Flown
+from jaxatt.drawing.rendering import as_html, as_text
+from jaxatt.report.flight_dataset import flight_dataset
+from jaxatt.report.flight_folder import save_flight
+from jaxatt.report.flight_plots import overview
+from jaxatt.report.flight_record import FlightRecord
+from jaxatt.report.flight_summary import flight_summary
+from jaxatt.report.flight_table import flight_table
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.figure import Figure
-
-PERCENTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
-
-ENDINGS = {
-    FLYING: "flown to the end",
-    TUMBLING: "diverged: the rate grew beyond the limit",
-    NOT_FINITE: "not a number: the law or the state stopped being finite",
-}
 
 
-@dataclass(frozen=True, eq=False)
-class FlightResult:
-    """One law flown in R runs.
-
-    law : its name in the scenario.  flown : arrays with leading axis R.
-    reference : (records, 4), asked attitude q_d.  spread : None for the nominal run.
-    """
-
-    scenario: FlightScenario
-    law: str
-    flown: Flown
-    reference: Floats
-    spread: Spread | None
-    seed: int
-    time: Mapping[str, float]
-    device: str
-    versions: Mapping[str, str]
-
-    @property
-    def runs(self) -> int:
-        """Number of runs."""
-        return len(self.flown.what)
-
-    @property
-    def sound(self) -> Flags:
-        """Which runs flew to the end, (R,)."""
-        return np.asarray(np.asarray(self.flown.what) == FLYING)
-
-    @property
-    def settled(self) -> Flags:
-        """Which of them settled on every axis, (R,)."""
-        axes = np.asarray(self.flown.figures.settling)[:, :3]
-        return np.asarray(self.sound & np.isfinite(axes).all(axis=1))
-
-    @property
-    def failures(self) -> dict[str, list[int]]:
-        """Runs that failed, by what became of them; their figures enter no statistics."""
-        what = np.asarray(self.flown.what)
-        named = ((ENDINGS[code], np.flatnonzero(what == code).tolist()) for code in ENDINGS if code)
-        return {words: rows for words, rows in named if rows}
-
-    @property
-    def record_times(self) -> Floats:
-        """Times of the records, (records,) [s]."""
-        timing = self.scenario.timing
-        return np.asarray(np.arange(1, timing.records + 1) * (timing.duration / timing.records))
-
-    def figure(self, name: str) -> Floats:
-        """A figure of every run that flew to the end: one of `jaxatt.simulation.settling.Figures`
-        or "settling_worst", the settling time of the slowest axis; not a number where a run never
-        settles.
-        """
-        rows = self.sound
-        if name == "settling_worst":
-            return np.asarray(np.max(np.asarray(self.flown.figures.settling)[rows, :3], axis=1))
-        return np.asarray(getattr(self.flown.figures, name), float)[rows]
+@dataclass(frozen=True, eq=False, repr=False)
+class FlightResult(FlightRecord):
+    """A simulation that prints, draws and saves itself; the fields are those of `FlightRecord`."""
 
     def summary(self) -> dict[str, Any]:
         """Plain numbers under stable names, ready for JSON."""
-        from jaxatt.report.flight_summary import flight_summary
-
         return flight_summary(self)
 
     def to_dataset(self) -> xarray.Dataset:
         """Labelled arrays, SI units and radians, with what made them as attributes."""
-        from jaxatt.report.flight_dataset import flight_dataset
-
         return flight_dataset(self)
 
     def plot(self) -> Figure:
         """Overview: errors, rates, torques and wheel speeds, as bands where there are many runs."""
-        from jaxatt.report.flight_plots import overview
-
         return overview(self)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write summary.json, flight.nc and the figures into a folder; return the files."""
-        from jaxatt.report.flight_folder import save_flight
-
         return save_flight(self, folder)
 
-    def __repr__(self) -> str:
-        failed = sum(len(rows) for rows in self.failures.values())
-        return (
-            f"FlightResult({self.scenario.name}, {self.law}: {plural(self.runs, 'run')}, "
-            f"{int(self.settled.sum())} settled, {failed} failed)"
-        )
-
     def __str__(self) -> str:
-        from jaxatt.report.flight_table import flight_table
-        from jaxatt.report.rendering import as_text
-
         return as_text(flight_table(self))
 
     def _repr_html_(self) -> str:
-        from jaxatt.report.flight_table import flight_table
-        from jaxatt.report.rendering import as_html
-
         return as_html(flight_table(self))

@@ -8,19 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.report.flight_result import PERCENTILES, FlightResult
+from jaxatt.report.flight_record import PERCENTILES, FlightRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.settling import CHANNELS
 
 AXES = CHANNELS[:3]
 
 
-def units(result: FlightResult) -> tuple[str, float]:
+def units(result: FlightRecord) -> tuple[str, float]:
     """Unit in which errors are shown, and the factor to it."""
     return ("deg", math.degrees(1.0)) if result.scenario.signal == "attitude" else ("rad_s", 1.0)
 
 
-def flight_summary(result: FlightResult) -> dict[str, Any]:
+def flight_summary(result: FlightRecord) -> dict[str, Any]:
     """Percentiles over the runs that flew to the end; what failed is counted and named."""
     unit, factor = units(result)
     settling = result.figure("settling")

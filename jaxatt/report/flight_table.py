@@ -10,14 +10,14 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.report.flight_result import FlightResult
+from jaxatt.records.wording import indices_text, plural, short
+from jaxatt.report.flight_record import FlightRecord
 from jaxatt.report.flight_summary import flight_summary, units
-from jaxatt.report.wording import indices_text, plural, short
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.settling import CHANNELS
 
 
-def flight_table(result: FlightResult) -> Table:
+def flight_table(result: FlightRecord) -> Table:
     """Median and percentiles of every figure, and how the runs ended."""
     numbers = flight_summary(result)
     many = result.runs > 1
@@ -48,7 +48,7 @@ def flight_table(result: FlightResult) -> Table:
     return table
 
 
-def _caption(result: FlightResult, numbers: dict[str, Any]) -> str:
+def _caption(result: FlightRecord, numbers: dict[str, Any]) -> str:
     lines = [
         f"{numbers['settled']} settled, {numbers['not_settled']} did not, "
         f"{sum(block['count'] for block in numbers['failed'].values())} failed"

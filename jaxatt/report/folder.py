@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from jaxatt.problems.answer import Answer
 from jaxatt.report.archive import write_archive
-from jaxatt.report.files import filling
 from jaxatt.report.plots import save_figures
-from jaxatt.report.result import Result
 from jaxatt.report.summary import write_summary
+from jaxatt.runtime.files import filling
 
 
-def save(result: Result, folder: str | Path) -> list[Path]:
+def save(result: Answer, folder: str | Path) -> list[Path]:
     """Write summary, archive and figures; all of them appear, or none."""
     with filling(folder) as partial:
         write_summary(result, partial / "summary.json")

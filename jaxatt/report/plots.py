@@ -5,36 +5,40 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import numpy as np
 from matplotlib.axes import Axes
 
-from jaxatt.report import panels, time_panels
-from jaxatt.report.figure import Picture, picture, save
-from jaxatt.report.files import filling
-from jaxatt.report.final_times import final_times_panels
+from jaxatt.drawing.figure import Picture, picture, save
+from jaxatt.drawing.panels import pulses
+from jaxatt.problems.answer import Answer
+from jaxatt.problems.sections import Panel
+from jaxatt.records.timeline import timeline
+from jaxatt.records.wording import objective_title
+from jaxatt.report import panels
+from jaxatt.report.family import sections_of
 from jaxatt.report.pointing_plot import pointing_figure
-from jaxatt.report.result import Result
 from jaxatt.report.starts_panel import starts_panel
-from jaxatt.report.timeline import timeline
-from jaxatt.report.wording import OBJECTIVES, plural
+from jaxatt.runtime.files import filling
 
-Panel = Callable[[Axes, Result], None]
-
-_ATTITUDE: Mapping[str, Panel] = {
-    "euler_angles": panels.euler_angles,
-    "omega_ob": panels.relative_rate,
+_SPACECRAFT: Mapping[str, tuple[str, Panel]] = {
+    "quaternion": ("torque_thrusters", panels.quaternion_components),
+    "euler_angles": ("q_ob", panels.euler_angles),
+    "omega_ob": ("omega_ob", panels.relative_rate),
+    "torque_thrusters": (
+        "torque_thrusters",
+        lambda axes, result: _torques(axes, result, "thrusters"),
+    ),
+    "torque_body": ("torque_body", lambda axes, result: _torques(axes, result, "body")),
+    "torque_wheels": ("torque_wheels", lambda axes, result: _torques(axes, result, "wheels")),
+    "wheel_speeds": ("omega_bw", panels.wheel_speeds),
 }
-_WHEELS: Mapping[str, Panel] = {
-    "torque_body": lambda axes, result: _torques(axes, result, "body"),
-    "torque_wheels": lambda axes, result: _torques(axes, result, "wheels"),
-    "wheel_speeds": panels.wheel_speeds,
-}
-_THRUSTERS: Mapping[str, Panel] = {
-    "torque_thrusters": lambda axes, result: _torques(axes, result, "thrusters"),
-}
-_TOY: Mapping[str, Panel] = {"control": panels.control, "state": panels.states}
+"""Panels of a spacecraft in their order, each with the series without which there is none."""
+
+_DRAWN = ("q_ob", "omega_ob", "omega_ib", "omega_bw", *panels.TORQUES)
+"""Series of a spacecraft that those panels show, or that need none of their own."""
 
 
-def plot(result: Result) -> Picture:
+def plot(result: Answer) -> Picture:
     """Overview: every quantity over time, and how all starts ended."""
     chosen = list(_panels(result).values())
     phases = len(result.phases)
@@ -51,11 +55,11 @@ def plot(result: Result) -> Picture:
     return figure
 
 
-def figures(result: Result) -> dict[str, Picture]:
+def figures(result: Answer) -> dict[str, Picture]:
     """Every figure by its name, the overview included."""
     made = {"overview": plot(result)}
     for name, panel in _panels(result).items():
-        if name.startswith("torque_"):
+        if name in panels.TORQUES and result.scenario.vehicle is not None:
             made[name] = _torque(result, name.removeprefix("torque_"))
             continue
         made[name] = picture(8.0, 3.6, result.scenario.title)
@@ -65,18 +69,14 @@ def figures(result: Result) -> dict[str, Picture]:
         axes.set_xlabel("time [s]")
     if any(phase.pointing is not None and phase.pointing.angles.size for phase in result.phases):
         made["pointing"] = pointing_figure(result)
+    made |= sections_of(result).figures(result)
     phases = len(result.phases)
-    if any(phase.final_times is not None for phase in result.phases):
-        made["final_times"] = picture(5.5 * phases, 5.5, result.scenario.title)
-        grid = made["final_times"].subplots(2, phases, sharex="col", squeeze=False)
-        for index, phase in enumerate(result.phases):
-            final_times_panels(list(grid[:, index]), phase)
     made["starts"] = picture(5.5 * phases, 4.0, result.scenario.title)
     _starts(list(made["starts"].subplots(1, phases, squeeze=False)[0]), result)
     return made
 
 
-def save_figures(result: Result, folder: str | Path) -> list[Path]:
+def save_figures(result: Answer, folder: str | Path) -> list[Path]:
     """Write every figure as a PNG file into a folder; return the files."""
     made = figures(result)
     with filling(folder) as partial:
@@ -85,7 +85,7 @@ def save_figures(result: Result, folder: str | Path) -> list[Path]:
     return [Path(folder) / f"{name}.png" for name in sorted(made)]
 
 
-def compare(results: Mapping[str, Result]) -> Picture:
+def compare(results: Mapping[str, Answer]) -> Picture:
     """Answers side by side: a column for each controller, as the source's figures show them."""
     chosen = list(_panels(next(iter(results.values()))).values())
     title = next(iter(results.values())).scenario.title
@@ -107,47 +107,49 @@ def compare(results: Mapping[str, Result]) -> Picture:
     return figure
 
 
-def headline(result: Result) -> str:
-    """One line for the head of a figure."""
-    kind = OBJECTIVES[result.scenario.objective.kind]
-    if result.phases[0].time_optimum is not None:
-        found = ", ".join(f"{phase.final_time:.4f} s" for phase in result.phases)
-        return f"{result.scenario.title}\n{kind}: {found}, {result.status}"
-    count = result.active_intervals
-    return f"{result.scenario.title}\n{kind}: {plural(count, 'active interval')}, {result.status}"
+def headline(result: Answer) -> str:
+    """Two lines for the head of a figure."""
+    kind = objective_title(result.scenario.objective.kind)
+    found = result.phases[0].section.headline(result.phases)
+    return f"{result.scenario.title}\n{kind}: {found}, {result.status}"
 
 
-def _panels(result: Result) -> Mapping[str, Panel]:
-    vehicle = result.scenario.vehicle
-    if vehicle is None:
-        return _TOY
-    chosen = dict(_ATTITUDE)
-    if result.phases[0].time_optimum is not None:
-        chosen = {"mrp": time_panels.modified_rodrigues, **chosen}
-    if vehicle.thrusters.count:
-        chosen = {"quaternion": panels.quaternion_components, **chosen, **_THRUSTERS}
-        if any(phase.quantised for phase in result.phases):
-            chosen["valves"] = panels.valves
-    if vehicle.wheels.count:
-        chosen |= _WHEELS
+def _panels(result: Answer) -> Mapping[str, Panel]:
+    return sections_of(result).panels(result, _common(result))
+
+
+def _common(result: Answer) -> Mapping[str, Panel]:
+    """Panels that every answer about such a system has: the spacecraft's, then any other series."""
+    vehicle, line = result.scenario.vehicle, timeline(result.phases)
+    chosen: dict[str, Panel] = {}
+    if vehicle is not None:
+        flown = {name for name, values in result.phases[0].series.items() if np.size(values)}
+        chosen = {name: panel for name, (series, panel) in _SPACECRAFT.items() if series in flown}
+    drawn = () if vehicle is None else _DRAWN
+    for series, draw in ((line.intervals, panels.intervals), (line.nodes, panels.nodes)):
+        chosen |= {name: _any(draw, name) for name in series if name not in drawn}
     return chosen
 
 
-def _torques(axes: Axes, result: Result, kind: str) -> None:
-    """All torques of a kind in one panel, with their switches."""
+def _any(draw: Callable[[Axes, Answer, str], None], name: str) -> Panel:
+    return lambda axes, result: draw(axes, result, name)
+
+
+def _torques(axes: Axes, result: Answer, kind: str) -> None:
+    """All torques of a kind in one panel, with what the family marks in them."""
     panels.torque(axes, result, kind)
-    time_panels.mark_switches(axes, result, kind)
+    sections_of(result).mark(axes, result, kind, None)
 
 
-def _torque(result: Result, kind: str) -> Picture:
+def _torque(result: Answer, kind: str) -> Picture:
     """One row for each torque, so that short pulses of different axes do not hide each other."""
     rows = panels.torque_rows(result, kind)
-    line = timeline(result)
+    line = timeline(result.phases)
     figure = picture(8.0, 1.4 * len(rows) + 1.2, result.scenario.title)
     grid = figure.subplots(len(rows), 1, sharex=True, squeeze=False)[:, 0]
     for index, (axes, (values, name, limit)) in enumerate(zip(grid, rows, strict=True)):
-        panels.pulses(axes, line, values, index, name, limit)
-        time_panels.mark_switches(axes, result, kind, only=index)
+        pulses(axes, line.edges, values, index, name, limit)
+        sections_of(result).mark(axes, result, kind, index)
         if kind == "thrusters":
             axes.set_ylim(bottom=0.0)
         panels.shade(axes, result, legend=index == 0)
@@ -157,12 +159,12 @@ def _torque(result: Result, kind: str) -> Picture:
     return figure
 
 
-def _starts(row: list[Axes], result: Result) -> None:
-    toy = result.scenario.vehicle is None
+def _starts(row: list[Axes], result: Answer) -> None:
+    own, unitless = sections_of(result).starts, result.scenario.vehicle is None
     for index, (axes, phase) in enumerate(zip(row, result.phases, strict=True)):
-        if phase.time_optimum is None:
-            starts_panel(axes, phase, toy)
+        if own is None:
+            starts_panel(axes, phase, unitless)
         else:
-            time_panels.costs_panel(axes, phase)
+            own(axes, phase)
         name = f"leg {index + 1}: " if len(result.phases) > 1 else ""
         axes.set_title(f"{name}{len(phase.starts.status)} starts", fontsize="medium")

@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from jaxatt.report.figure import COAST, Picture, colour, picture, tidy
-from jaxatt.report.result import PointingRecord, Result
-from jaxatt.report.wording import limit_label
+from jaxatt.drawing.figure import COAST, Picture, colour, picture, tidy
+from jaxatt.problems.answer import Answer
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.wording import limit_label
 from jaxatt.runtime.arrays import Floats
 
 _RING = 361
 
 
-def pointing_figure(result: Result) -> Picture:
+def pointing_figure(result: Answer) -> Picture:
     """Angles above, maps in inertial axes below; one column a cone."""
     count = max(
         phase.pointing.angles.shape[1] for phase in result.phases if phase.pointing is not None
@@ -28,7 +29,7 @@ def pointing_figure(result: Result) -> Picture:
     return figure
 
 
-def _angles(axes: Axes, result: Result, index: int) -> None:
+def _angles(axes: Axes, result: Answer, index: int) -> None:
     """Angle of one cone over time, what it forbids shaded."""
     end = 0.0
     for phase in result.phases:
@@ -70,7 +71,7 @@ def _angles(axes: Axes, result: Result, index: int) -> None:
     axes.legend(frameon=False, fontsize=8)
 
 
-def _map(axes: Axes, result: Result, index: int) -> None:
+def _map(axes: Axes, result: Answer, index: int) -> None:
     """Path of a boresight in inertial axes with the cone where it is met most closely."""
     for phase in result.phases:
         record = phase.pointing

@@ -8,20 +8,21 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import Phase
+from jaxatt.drawing.figure import colour, tidy
+from jaxatt.records.phase import Phase
 
 
-def starts_panel(axes: Axes, phase: Phase, toy: bool = False) -> None:
+def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
     """Mark starts that reached the target, those that did not, and the answer."""
-    starts, unit = phase.starts, 1.0 if toy else 1e3
+    starts, unit = phase.starts, 1.0 if unitless else 1e3
     count = np.asarray(starts.active_intervals, float)
+    long_way = np.zeros(len(count), bool) if starts.long_way is None else starts.long_way
     # Many starts share a count: side by side they stay visible.
     beside = count + 0.28 * np.sin(2.399963 * np.arange(len(count)))
     for mask, marker, index, words in (
         (~starts.reached, "x", 1, "not reached"),
-        (starts.reached & ~starts.long_way, "o", 0, "reached"),
-        (starts.reached & starts.long_way, "^", 2, "reached the long way round"),
+        (starts.reached & ~long_way, "o", 0, "reached"),
+        (starts.reached & long_way, "^", 2, "reached the long way round"),
     ):
         if mask.any():
             label = f"{words} ({int(mask.sum())})"
@@ -36,7 +37,7 @@ def starts_panel(axes: Axes, phase: Phase, toy: bool = False) -> None:
         diamond = ringed | {"s": 70, "c": colour(5), "marker": "D", "label": words}
         axes.scatter(other.active_intervals, unit * other.effort, **diamond)
     axes.set_xlabel("active intervals")
-    axes.set_ylabel(r"$\int |u|\, dt$" if toy else "L1 effort [mN m s]")
+    axes.set_ylabel(r"$\int |u|\, dt$" if unitless else "L1 effort [mN m s]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.legend(fontsize=8, frameon=False, loc="best")
     tidy(axes)

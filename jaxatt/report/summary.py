@@ -8,7 +8,6 @@ apply holds null.  For the toy systems the names with N m hold values in the uni
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,10 +16,12 @@ from typing import Any
 import numpy as np
 
 from jaxatt.optimize.status import Status
-from jaxatt.report.files import replacing
-from jaxatt.report.final_times import final_times_summary
-from jaxatt.report.result import Phase, Result, StartsRecord, Valves
-from jaxatt.report.wording import LIMITS
+from jaxatt.problems.answer import Answer
+from jaxatt.records.phase import Phase
+from jaxatt.records.starts import StartsRecord
+from jaxatt.records.wording import LIMITS
+from jaxatt.report.family import sections_of, sections_of_phase
+from jaxatt.runtime.json_files import plain, write_json
 
 _ERRORS = {
     "attitude_error_deg": ("attitude", math.degrees(1.0)),
@@ -30,22 +31,40 @@ _ERRORS = {
 }
 """Name in the summary -> (name in `Phase.errors`, factor to its unit)."""
 
-_SUMS = (
+NAMES = (
+    "status",
+    "objective",
     "active_intervals",
+    "active_interval_indices",
     "weighted_active_intervals",
     "active_outside_windows",
+    "relative_sparsity_percent",
+    *_ERRORS,
+    "max_torque_violation_Nm",
+    "max_complementarity_Nm",
     "l1_effort_Nms",
     "final_time_s",
+    "step_s",
     "control_effort",
+    "cost",
+    "kkt",
+    "time_optimum",
+    "final_times",
+    "quantised",
+    "pointing",
+    "obstacle",
+    "starts",
 )
-_WORST = (*_ERRORS, "max_torque_violation_Nm", "max_complementarity_Nm")
+"""Names that every phase has in a summary, in their order; null where no family gives a value."""
+
+_SUMS = ("active_intervals", "l1_effort_Nms", "final_time_s", "control_effort")
+_WORST = (*_ERRORS, "max_torque_violation_Nm")
 
 
-def summary(result: Result) -> dict[str, Any]:
+def summary(result: Answer) -> dict[str, Any]:
     """Plain numbers, texts and lists of a result, ready for JSON (no NaN, no arrays)."""
     phases = [_phase(phase) for phase in result.phases]
     several = len(phases) > 1
-    body = _together(phases, result.scenario.horizon.intervals) if several else phases[0]
     alternative = None if several else result.phases[0].alternative
     numbered = [
         {
@@ -56,13 +75,14 @@ def summary(result: Result) -> dict[str, Any]:
         }
         for index, (phase, block) in enumerate(zip(result.phases, phases, strict=True))
     ]
-    numbers: dict[str, Any] = _clean(
+    numbers: dict[str, Any] = plain(
         {
             "scenario": result.scenario.name,
-            **body,
+            **(_together(result, phases) if several else phases[0]),
             "do_nothing_cost": do_nothing_cost(result),
             "alternative": None if alternative is None else _phase(alternative),
-            "quantised_otherwise": _other_way(result.phases) if not several else None,
+            "quantised_otherwise": None,
+            **sections_of(result).whole(result),
             "legs": numbered if several else [],
             "time_s": {name: result.time.get(name) for name in ("compile", "solve", "verify")},
             "seed": result.seed,
@@ -75,18 +95,12 @@ def summary(result: Result) -> dict[str, Any]:
     return numbers
 
 
-def write_summary(result: Result, path: str | Path) -> None:
+def write_summary(result: Answer, path: str | Path) -> None:
     """Write the summary as a JSON file."""
     write_json(summary(result), path)
 
 
-def write_json(content: Mapping[str, Any], path: str | Path) -> None:
-    """Write a mapping as a JSON file, whole or not at all."""
-    with replacing(path) as partial:
-        partial.write_text(json.dumps(_clean(content), indent=2) + "\n", encoding="utf-8")
-
-
-def do_nothing_cost(result: Result) -> float | None:
+def do_nothing_cost(result: Answer) -> float | None:
     """The printed cost of applying no torque at all, where it is known."""
     known = result.extra.get("do_nothing_cost")
     if known is not None:
@@ -106,52 +120,39 @@ def starts_summary(starts: StartsRecord) -> dict[str, int]:
 
 
 def _phase(phase: Phase) -> dict[str, Any]:
-    errors = {
-        name: phase.errors[key] * factor if key in phase.errors else None
-        for name, (key, factor) in _ERRORS.items()
-    }
-    optimum = phase.time_optimum
-    return {
+    """One phase under `NAMES`; what a family or its errors have beyond them comes after."""
+    general = {
         "status": "reached" if phase.reached else "not reached",
         "objective": {"total": phase.total_cost, **phase.objective},
         "active_intervals": phase.active_intervals,
         "active_interval_indices": np.flatnonzero(phase.active).tolist(),
-        "weighted_active_intervals": phase.weighted_active_intervals,
-        "active_outside_windows": phase.active_outside_windows,
         "relative_sparsity_percent": 100.0 * phase.active_intervals / len(phase.active),
-        **errors,
         "max_torque_violation_Nm": phase.limit_violation,
-        "max_complementarity_Nm": phase.max_complementarity,
         "l1_effort_Nms": phase.effort,
         "final_time_s": phase.final_time,
         "step_s": phase.step,
         "control_effort": phase.control_effort,
-        "cost": None if optimum is None else optimum.cost,
-        "kkt": None if optimum is None else optimum.kkt,
-        "time_optimum": None if optimum is None else optimum.to_dict(),
-        "final_times": final_times_summary(phase.final_times),
-        "quantised": valves_summary(phase.quantised[0]) if phase.quantised else None,
         "pointing": _pointing(phase),
         "obstacle": phase.failure_reason,
         "starts": starts_summary(phase.starts),
+        **{
+            name: phase.errors[key] * factor
+            for name, (key, factor) in _ERRORS.items()
+            if key in phase.errors
+        },
+        **{f"{key}_error": phase.errors[key] for key in _own_errors(phase)},
     }
+    return _in_order({**sections_of_phase(phase).names(phase), **general})
 
 
-def valves_summary(valves: Valves) -> dict[str, Any]:
-    """An answer with thrusters open or shut in plain numbers; `on_time_s` by thruster."""
-    active = int(valves.active.sum())
-    return {
-        "mode": valves.mode,
-        "status": "reached" if valves.reached else "not reached",
-        "active_intervals": active,
-        "relative_sparsity_percent": 100.0 * active / len(valves.active),
-        "attitude_error_deg": math.degrees(valves.errors["attitude"]),
-        "rate_error_rad_s": valves.errors["rate"],
-        "on_time_s": valves.on_time.tolist(),
-        "partially_open_samples": valves.partly_open,
-        "opposed_firings": valves.opposed,
-        "obstacle": valves.failure_reason,
-    }
+def _own_errors(phase: Phase) -> list[str]:
+    """Errors of a family's own."""
+    known = {key for key, _ in _ERRORS.values()}
+    return [key for key in phase.errors if key not in known]
+
+
+def _in_order(block: Mapping[str, Any]) -> dict[str, Any]:
+    return {**dict.fromkeys(NAMES), **block}
 
 
 def _pointing(phase: Phase) -> list[dict[str, Any]]:
@@ -172,73 +173,38 @@ def _pointing(phase: Phase) -> list[dict[str, Any]]:
     return found
 
 
-def _other_way(phases: Sequence[Phase]) -> dict[str, Any] | None:
-    """The way of quantising that the scenario did not ask for, of a single phase."""
-    others = phases[0].quantised[1:]
-    return valves_summary(others[0]) if others else None
-
-
-def _valves_together(phases: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    reached = all(phase["status"] == "reached" for phase in phases)
-    return {
-        "mode": phases[0]["mode"],
-        "status": "reached" if reached else "not reached",
-        "active_intervals": sum(phase["active_intervals"] for phase in phases),
-        "relative_sparsity_percent": float(
-            np.mean([phase["relative_sparsity_percent"] for phase in phases])
-        ),
-        "attitude_error_deg": float(np.max([phase["attitude_error_deg"] for phase in phases])),
-        "rate_error_rad_s": float(np.max([phase["rate_error_rad_s"] for phase in phases])),
-        "on_time_s": np.sum([phase["on_time_s"] for phase in phases], axis=0).tolist(),
-        "partially_open_samples": sum(phase["partially_open_samples"] for phase in phases),
-        "opposed_firings": sum(phase["opposed_firings"] for phase in phases),
-        "obstacle": "; ".join(phase["obstacle"] for phase in phases if phase["obstacle"]),
-    }
-
-
-def _together(phases: Sequence[Mapping[str, Any]], intervals: int) -> dict[str, Any]:
-    together: dict[str, Any] = {name: sum(phase[name] for phase in phases) for name in _SUMS}
-    for name in _WORST:
-        values = [phase[name] for phase in phases if phase[name] is not None]
+def _together(result: Answer, blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """All phases as one block."""
+    sections = sections_of(result)
+    own = [sections.names(phase) for phase in result.phases]
+    together: dict[str, Any] = dict(sections.together(own)) if own[0] else {}
+    together |= {name: sum(block[name] for block in blocks) for name in _SUMS}
+    for name in (*_WORST, *(f"{key}_error" for key in _own_errors(result.phases[0]))):
+        values = [block[name] for block in blocks if block[name] is not None]
         # max() would pass over a NaN, which is the worst of all.
         together[name] = float(np.max(values)) if values else None
     for name in ("objective", "starts"):
         together[name] = {
-            part: sum(phase[name][part] for phase in phases) for part in phases[0][name]
+            part: sum(block[name][part] for block in blocks) for part in blocks[0][name]
         }
+    lengths = [len(phase.active) for phase in result.phases]
     together["active_interval_indices"] = [
-        index + number * intervals
-        for number, phase in enumerate(phases)
-        for index in phase["active_interval_indices"]
+        index + before
+        for before, block in zip(np.cumsum([0, *lengths[:-1]]).tolist(), blocks, strict=True)
+        for index in block["active_interval_indices"]
     ]
     together["pointing"] = [
         {"leg": number + 1, **entry}
-        for number, phase in enumerate(phases)
-        for entry in phase["pointing"]
+        for number, block in enumerate(blocks)
+        for entry in block["pointing"]
     ]
-    steps = {phase["step_s"] for phase in phases}
+    steps = {block["step_s"] for block in blocks}
     together["step_s"] = steps.pop() if len(steps) == 1 else None
-    together |= dict.fromkeys(("cost", "kkt", "time_optimum", "final_times"))
-    valves = [phase["quantised"] for phase in phases]
-    together["quantised"] = None if None in valves else _valves_together(valves)
-    count = together["active_intervals"]
-    reached = all(phase["status"] == "reached" for phase in phases)
-    together["status"] = "reached" if reached else "not reached"
-    together["relative_sparsity_percent"] = 100.0 * count / (intervals * len(phases))
+    together["status"] = result.status
+    together["relative_sparsity_percent"] = 100.0 * together["active_intervals"] / sum(lengths)
     together["obstacle"] = "; ".join(
-        f"leg {number + 1}: {phase['obstacle']}"
-        for number, phase in enumerate(phases)
-        if phase["obstacle"]
+        f"leg {number + 1}: {block['obstacle']}"
+        for number, block in enumerate(blocks)
+        if block["obstacle"]
     )
-    return {name: together[name] for name in phases[0]}
-
-
-def _clean(value: Any) -> Any:
-    """Return plain Python for JSON; numbers that are not finite become None."""
-    if isinstance(value, Mapping):
-        return {str(key): _clean(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_clean(item) for item in value]
-    if hasattr(value, "tolist"):
-        return _clean(value.tolist())
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return _in_order(together)

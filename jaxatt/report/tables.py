@@ -11,30 +11,33 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.report.final_times import cost_text, final_time_text
-from jaxatt.report.result import Phase, Result
+from jaxatt.problems.answer import Answer
+from jaxatt.problems.sections import Block, Row
+from jaxatt.records.phase import Phase
+from jaxatt.records.wording import LIMITS, indices_text, limit_label, limit_text, short
+from jaxatt.report.family import sections_of
 from jaxatt.report.summary import do_nothing_cost, summary
-from jaxatt.report.time_rows import time_rows
-from jaxatt.report.wording import LIMITS, OBJECTIVES, indices_text, limit_label, limit_text, short
 
-_Block = Mapping[str, Any]
+_ERRORS = (
+    ("attitude", "attitude error [deg]", "attitude_error_deg"),
+    ("rate", "rate error [rad/s]", "rate_error_rad_s"),
+    ("waypoint", "waypoint error [deg]", "waypoint_error_deg"),
+    ("state", "state error", "state_error"),
+)
+"""Name in `Phase.errors`, label of its row, name in the summary."""
 
 
-def result_table(result: Result) -> Table:
+def result_table(result: Answer) -> Table:
     """What came out, how well it was met, what all starts did and how long it took."""
     numbers = summary(result)
-    blocks: list[_Block] = list(numbers["legs"])
+    blocks: list[Block] = list(numbers["legs"])
     names = [f"leg {block['leg']}" for block in blocks]
     if not blocks or len(blocks) > 1:
         blocks, names = [*blocks, numbers], [*names, "together" if names else ""]
     if numbers["alternative"] is not None:
         blocks, names = [numbers, numbers["alternative"]], ["lowest J", "best that reaches"]
-    objective = result.scenario.objective
-    kind = f"{OBJECTIVES[objective.kind]}, {objective.terminal}"
-    if objective.kind == "time-effort":
-        kind = f"{OBJECTIVES[objective.kind]}, rho = {objective.effort_weight:g}"
     table = Table(
-        title=Text(f"{result.scenario.title} ({kind})", style="bold"),
+        title=Text(f"{result.scenario.title} ({sections_of(result).title(result)})", style="bold"),
         caption=_caption(result, numbers),
         box=box.SIMPLE_HEAD,
         show_header=len(names) > 1,
@@ -171,7 +174,7 @@ def _controllers(headers: Sequence[str], title: str) -> Table:
     return table
 
 
-def do_nothing_sentence(result: Result) -> str:
+def do_nothing_sentence(result: Answer) -> str:
     """Say so where the printed cost is lowest at rest, or tumbling, short of the target."""
     cost = do_nothing_cost(result)
     if result.scenario.objective.terminal != "penalty" or cost is None:
@@ -196,7 +199,7 @@ def do_nothing_sentence(result: Result) -> str:
     )
 
 
-def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
+def _caption(result: Answer, numbers: Mapping[str, Any]) -> Text:
     time = ", ".join(f"{name} {value:.1f} s" for name, value in numbers["time_s"].items() if value)
     made = (
         f"{time}; seed {result.seed}, {result.device}, {result.precision}, "
@@ -206,57 +209,39 @@ def _caption(result: Result, numbers: Mapping[str, Any]) -> Text:
     return Text("\n".join(filter(None, [do_nothing_sentence(result), *notes, made])))
 
 
-def _rows(result: Result) -> list[tuple[str, Callable[[_Block], str | Text]]]:
-    first = result.phases[0]
-    toy = "state" in first.errors
-    rows: list[tuple[str, Callable[[_Block], str | Text]]] = [
+def _rows(result: Answer) -> list[Row]:
+    first, unitless = result.phases[0], result.scenario.vehicle is None
+    own = sections_of(result).rows(result)
+    known = [key for key, *_ in _ERRORS]
+    return [
         ("status", _status),
         ("obstacle", lambda b: str(b["obstacle"])),
+        *own.answer,
+        *((words, _error(first, key, name)) for key, words, name in _ERRORS),
         *(
-            (
-                ("active intervals", _active),
-                ("their indices", lambda b: indices_text(b["active_interval_indices"])),
-                ("final time [s]", final_time_text),
-                ("cost with its time", cost_text),
-            )
-            if first.time_optimum is None
-            else time_rows(first.time_optimum.effort_weight > 0.0)
+            (f"{key} error", _error(first, key, f"{key}_error"))
+            for key in first.errors
+            if key not in known
         ),
-    ]
-    if result.scenario.windows:
-        rows += [
-            ("outside the cheap windows", lambda b: str(b["active_outside_windows"])),
-            ("weighted count", lambda b: short(b["weighted_active_intervals"])),
-        ]
-    rows += [
-        ("attitude error [deg]", _error(first, "attitude", "attitude_error_deg")),
-        ("rate error [rad/s]", _error(first, "rate", "rate_error_rad_s")),
-        ("waypoint error [deg]", _error(first, "waypoint", "waypoint_error_deg")),
-        ("state error", _error(first, "state", "state_error")),
-        ("after quantisation", _quantised),
+        *own.flown,
         *(
             (limit_label(extreme.kind, extreme.name), _limit(index))
             for index, extreme in enumerate(first.pointing.extremes if first.pointing else ())
         ),
         (
-            f"over the limit{'' if toy else ' [N m]'}",
+            f"over the limit{'' if unitless else ' [N m]'}",
             lambda b: short(b["max_torque_violation_Nm"]),
         ),
-        (f"L1 effort{'' if toy else ' [N m s]'}", lambda b: short(b["l1_effort_Nms"], 7)),
+        (f"L1 effort{'' if unitless else ' [N m s]'}", lambda b: short(b["l1_effort_Nms"], 7)),
+        *own.cost,
+        ("starts", _starts),
     ]
-    if first.time_optimum is None:
-        rows += [
-            ("objective J", lambda b: short(b["objective"]["total"], 6)),
-            *((f"  {part}", _part(part)) for part in first.objective),
-        ]
-    rows.append(("starts", _starts))
-    return rows
 
 
-def _limit(index: int) -> Callable[[_Block], str | Text]:
+def _limit(index: int) -> Callable[[Block], str | Text]:
     """How a block kept to one cone or rate limit; of phases together each says it for itself."""
 
-    def show(block: _Block) -> str | Text:
+    def show(block: Block) -> str | Text:
         entries = block["pointing"]
         if index >= len(entries) or "leg" in entries[index]:
             return ""
@@ -269,31 +254,16 @@ def _limit(index: int) -> Callable[[_Block], str | Text]:
     return show
 
 
-def _status(block: _Block) -> Text:
+def _status(block: Block) -> Text:
     reached = block["status"] == "reached"
     words = "reached the target" if reached else "NOT reached"
     return Text(words, style="green" if reached else "bold red")
 
 
-def _active(block: _Block) -> str:
-    return f"{block['active_intervals']} ({block['relative_sparsity_percent']:.3g} % of all)"
-
-
-def _quantised(block: _Block) -> str:
-    valves = block.get("quantised")
-    if valves is None:
-        return ""
-    return (
-        f"{valves['status']} ({valves['mode']}): {valves['active_intervals']} active, "
-        f"{short(valves['attitude_error_deg'])} deg, {short(valves['rate_error_rad_s'])} rad/s"
-        + (f"; {valves['obstacle']}" if valves["obstacle"] else "")
-    )
-
-
-def _error(phase: Phase, name: str, key: str) -> Callable[[_Block], str]:
+def _error(phase: Phase, name: str, key: str) -> Callable[[Block], str]:
     factor = math.degrees(1.0) if key.endswith("_deg") else 1.0
 
-    def show(block: _Block) -> str:
+    def show(block: Block) -> str:
         if name not in phase.tolerances:
             return ""
         allowed = phase.tolerances[name] * factor
@@ -303,11 +273,7 @@ def _error(phase: Phase, name: str, key: str) -> Callable[[_Block], str]:
     return show
 
 
-def _part(name: str) -> Callable[[_Block], str]:
-    return lambda block: short(block["objective"][name])
-
-
-def _starts(block: _Block) -> str:
+def _starts(block: Block) -> str:
     starts = block["starts"]
     return (
         f"{starts['reached_target']} of {starts['requested']} reached, "

@@ -20,7 +20,7 @@ class FlownPD:
     """One phase under the PD law.
 
     active : (N,), intervals whose mean body torque is above the threshold of 1e-6 N m.
-    errors : name -> number, as in `jaxatt.report.result.Phase`.
+    errors : name -> number, as in `jaxatt.records.phase.Phase`.
     effort : L1 effort of the mean body torques [N m s].  cost : the printed cost.
     """
 

@@ -12,19 +12,21 @@ import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
+from jaxatt.drawing.figure import Picture
+from jaxatt.drawing.figure import save as save_figure
+from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
+from jaxatt.problems.hands_off.record import Valves, sparse_section
 from jaxatt.problems.scenario import TIME_KINDS
+from jaxatt.records.wording import OBJECTIVES
 from jaxatt.report import plots
-from jaxatt.report.figure import Picture
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling
 from jaxatt.report.folder import save as save_result
-from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.result import Result, Valves
-from jaxatt.report.summary import summary, write_json
+from jaxatt.report.result import Result
+from jaxatt.report.summary import summary
 from jaxatt.report.tables import comparison_table
-from jaxatt.report.wording import OBJECTIVES
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.baseline import FlownPD, fly_pd_phases
 from jaxatt.studies.relative_sparsity import attainable
 from jaxatt.studies.time_comparison import TimeComparison, compare_times
@@ -236,14 +238,15 @@ def _optimised_in(scenario: scenarios.Scenario) -> str:
 
 def _valve_rows(scenario: scenarios.Scenario, kind: str, result: Result) -> list[Row]:
     """The answer after quantisation, both ways."""
-    if any(phase.quantised == () for phase in result.phases):
+    found = [sparse_section(phase).quantised for phase in result.phases]
+    if not all(found):
         return []
     vehicle, relaxed, rows = scenario.vehicle, _row(scenario, kind, result), []
     assert vehicle is not None
     pushes = np.abs(np.asarray(vehicle.thrusters.distribution)).sum(axis=0)
     impulse = np.asarray(vehicle.thrusters.torque_limit) * pushes
-    for number, mode in enumerate(v.mode for v in result.phases[0].quantised):
-        valves = [phase.quantised[number] for phase in result.phases]
+    for number, mode in enumerate(v.mode for v in found[0]):
+        valves = [quantised[number] for quantised in found]
         rows.append(
             replace(
                 relaxed,

@@ -13,15 +13,15 @@ from rich.table import Table
 from rich.text import Text
 
 from jaxatt import scenarios
+from jaxatt.drawing.figure import Picture, picture
+from jaxatt.drawing.figure import save as save_figure
+from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.time_optimal.effort_path import EffortPath, effort_path
 from jaxatt.problems.time_optimal.phase import build_time_task
-from jaxatt.report.figure import Picture, picture
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling
-from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.summary import write_json
-from jaxatt.report.wording import short
+from jaxatt.records.wording import short
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 
 WEIGHTS = tuple(float(f"{10.0 ** (k / 4.0):.4g}") for k in range(-12, 5))
 """rho from 0.001 to 10 [1/(N m)^2], four a decade; the source's figures 6 to 8."""

@@ -12,16 +12,16 @@ import numpy as np
 
 from jaxatt.control.eigenaxis import Eigenaxis
 from jaxatt.control.latched_min_norm import LatchedMinNorm
+from jaxatt.drawing.figure import Picture
+from jaxatt.drawing.figure import save as save_figure
+from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.simulate import plan_of, simulate
 from jaxatt.report import flight_plots
-from jaxatt.report.figure import Picture
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.flight_table import comparison_table
-from jaxatt.report.rendering import as_html, as_text
-from jaxatt.report.summary import write_json
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 from jaxatt.scenarios import load_flight
 from jaxatt.scenarios.flight_model import FlightScenario
 

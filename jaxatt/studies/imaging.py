@@ -16,16 +16,16 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from jaxatt.attitude import quaternion
+from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import save as save_figure
+from jaxatt.drawing.rendering import as_text
 from jaxatt.environment import epoch, kepler, orbit
 from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import Table
-from jaxatt.report.figure import Picture, colour, picture, tidy
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling
-from jaxatt.report.rendering import as_text
-from jaxatt.report.summary import write_json
 from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 from jaxatt.scenarios.bundled import text
 from jaxatt.simulation.slew_metrics import footprints, sampling_distance
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.attitude import errors
+from jaxatt.drawing.figure import Picture, picture, save, tidy
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bursts, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import join
@@ -23,11 +24,10 @@ from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.polish import Method
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.scenario import TIME_KINDS
-from jaxatt.report.figure import Picture, picture, save, tidy
-from jaxatt.report.files import filling
-from jaxatt.report.summary import write_json
-from jaxatt.report.wording import plural
+from jaxatt.records.wording import plural
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.impulse_balance import (
     eigenaxis_on_time,
     least_intervals,

@@ -13,17 +13,19 @@ from rich.console import Group
 from rich.text import Text
 
 from jaxatt import scenarios
+from jaxatt.drawing.figure import Picture
+from jaxatt.drawing.figure import save as save_figure
+from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
+from jaxatt.problems.time_optimal.record import time_optimum
+from jaxatt.problems.time_optimal.report.time_table import time_table
 from jaxatt.report import plots
-from jaxatt.report.figure import Picture
-from jaxatt.report.figure import save as save_figure
-from jaxatt.report.files import filling
 from jaxatt.report.folder import save as save_result
-from jaxatt.report.rendering import as_html, as_text
 from jaxatt.report.result import Result
-from jaxatt.report.summary import summary, write_json
-from jaxatt.report.time_table import time_table
+from jaxatt.report.summary import summary
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.files import filling
+from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.eigenaxis_time import eigenaxis_time, has_no_gyroscopic_torque
 
 _EULER_TOLERANCE_DEG = 2.0
@@ -171,8 +173,7 @@ def _named(report: Report, name: str) -> Report:
 
 def _row(result: Result) -> TimeRow:
     numbers, phase = summary(result), result.phases[0]
-    optimum = phase.time_optimum
-    assert optimum is not None
+    optimum = time_optimum(phase)
     return TimeRow(
         angle_rad=turn_angle(result.scenario),
         integration=optimum.integration,

@@ -5,13 +5,13 @@ import json
 
 import numpy as np
 import pytest
-from handmade_results import assemble
+from handmade_results import assemble, changed
 
+from jaxatt.drawing.rendering import as_text
+from jaxatt.problems.hands_off.record import FinalTimes
 from jaxatt.report import plots
 from jaxatt.report.archive import open_archive, write_archive
 from jaxatt.report.dataset import to_dataset
-from jaxatt.report.rendering import as_text
-from jaxatt.report.result import FinalTimes
 from jaxatt.report.summary import summary, write_summary
 from jaxatt.report.tables import comparison_table
 
@@ -37,10 +37,8 @@ def timed(make):
     }
     return assemble(
         result.scenario,
-        dataclasses.replace(first, step=1.28, final_times=TRIED),
-        dataclasses.replace(
-            second, start_time=64.0, step=1.0, final_times=dataclasses.replace(TRIED, **fewer)
-        ),
+        changed(first, step=1.28, final_times=TRIED),
+        changed(second, start_time=64.0, step=1.0, final_times=dataclasses.replace(TRIED, **fewer)),
     )
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from jaxatt.report import panels, plots
+from jaxatt.drawing.panels import runs
+from jaxatt.report import plots
 from jaxatt.report.limits import body_torque_limit
 from jaxatt.spacecraft.wheels import reaction_wheels
 
@@ -96,4 +97,4 @@ def test_torque_limits_bound_every_body_torque_that_the_wheels_can_give(make):
 
 def test_runs():
     mask = np.array([True, False, True, True, False])
-    assert panels._runs(mask) == [(0, 1), (2, 4)]
+    assert runs(mask) == [(0, 1), (2, 4)]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from jaxatt.report.wording import indices_text
+from jaxatt.records.wording import indices_text
 
 
 def test_a_result_prints_its_numbers_units_and_tolerances(make):

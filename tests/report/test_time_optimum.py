@@ -7,10 +7,12 @@ import handmade_results
 import numpy as np
 import pytest
 
-from jaxatt.report import plots, time_panels
-from jaxatt.report.figure import picture
+from jaxatt.drawing.figure import picture
+from jaxatt.problems.time_optimal.report import panels as time_panels
+from jaxatt.problems.time_optimal.switches import switch_times
+from jaxatt.records.phase import squared_effort
+from jaxatt.report import plots
 from jaxatt.report.summary import summary
-from jaxatt.report.time_optimum import control_effort, switch_times
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +53,7 @@ def test_a_torque_within_its_limits_has_no_switches():
 
 
 def test_the_effort_is_the_integral_of_all_squares():
-    assert control_effort(np.array([[1.0, 2.0], [3.0, 0.0]]), 0.5) == 7.0
+    assert squared_effort(np.array([[1.0, 2.0], [3.0, 0.0]]), 0.5) == 7.0
 
 
 def test_the_summary_holds_time_step_effort_and_optimality(turn):

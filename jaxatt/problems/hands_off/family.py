@@ -12,6 +12,8 @@ from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.phase import phase_record
 from jaxatt.problems.hands_off.phase_search import Build, search_phase
 from jaxatt.problems.hands_off.reading.scenario import read_hands_off
+from jaxatt.problems.hands_off.record import FinalTimes
+from jaxatt.problems.hands_off.report.sections import HANDS_OFF
 from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.flight import fly_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
@@ -19,7 +21,7 @@ from jaxatt.problems.hands_off.task import Flown, Task
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, SPARSE_KINDS, Scenario
-from jaxatt.report.result import FinalTimes, Phase
+from jaxatt.records.phase import Phase
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -71,6 +73,7 @@ class HandsOff(SparseFamily):
     name = "hands-off"
     systems = (SPACECRAFT,)
     tables = SPACECRAFT_TABLES
+    sections = HANDS_OFF
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_hands_off(document, origin, folder)

@@ -12,6 +12,7 @@ import numpy as np
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.hands_off import sparsity
+from jaxatt.problems.hands_off.record import FinalTimes, SparseSection, Valves
 from jaxatt.problems.hands_off.search.candidates import Candidates
 from jaxatt.problems.hands_off.search.quantise import MODES, quantise
 from jaxatt.problems.hands_off.search.search import Found
@@ -20,8 +21,10 @@ from jaxatt.problems.hands_off.task import Flown, Task
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
-from jaxatt.report.result import FinalTimes, Phase, PointingRecord, StartsRecord, Valves
-from jaxatt.report.wording import broken_limit, limit_label
+from jaxatt.records.phase import Phase
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.starts import StartsRecord
+from jaxatt.records.wording import broken_limit, limit_label
 from jaxatt.runtime.arrays import Floats
 
 Fly = Callable[[Any, Floats], Flown]
@@ -43,11 +46,11 @@ def phase_record(
     Where the answer does not reach (as the printed cost may prefer), the best that does reach
     stands beside it.
     """
-    phase, state = _flown_phase(scenario, task, found, found.best, start_time, fly)
+    phase, state = _flown_phase(scenario, task, found, found.best, start_time, final_times, fly)
     if not phase.reached and found.reaching is not None:
-        alternative, _ = _flown_phase(scenario, task, found, found.reaching, start_time, fly)
+        alternative, _ = _flown_phase(scenario, task, found, found.reaching, start_time, None, fly)
         phase = replace(phase, alternative=alternative)
-    return replace(phase, final_times=final_times), state
+    return phase, state
 
 
 def _flown_phase(
@@ -56,6 +59,7 @@ def _flown_phase(
     found: Found,
     answer: Candidates,
     start_time: float,
+    final_times: FinalTimes | None,
     fly: Fly,
 ) -> tuple[Phase, InitialState]:
     controls = answer.controls
@@ -78,27 +82,31 @@ def _flown_phase(
     )
     reached = bool(verdict.reached[0])
     phase = Phase(
+        family=scenario.family,
         start_time=start_time,
         step=task.step,
         controls=controls[0],
-        weight=np.asarray(task.arguments.weight),
-        window=window,
-        forbidden=forbidden,
         series=flown.series,
         reference=flown.reference,
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
         limit_violation=float(verdict.limit_violation[0]),
         margin_violation=float(verdict.margin_violation[0]),
-        max_complementarity=float(product.max()),
         objective={name: float(value[0]) for name, value in flown.cost.items()},
         effort=float(task.effort(controls)[0]),
         reached=reached,
         failure_reason="" if reached else _failure_reason(task, answer, flown.pointing),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
-        quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
         pointing=flown.pointing,
+        section=SparseSection(
+            weight=np.asarray(task.arguments.weight),
+            window=window,
+            forbidden=forbidden,
+            max_complementarity=float(product.max()),
+            quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
+            final_times=final_times,
+        ),
     )
     return phase, flown.end
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxatt.problems.hands_off.pd_flight import flown_controls, fly_pd
 from jaxatt.problems.hands_off.reading.valves import shortest_interval
+from jaxatt.problems.hands_off.record import FinalTimes
 from jaxatt.problems.hands_off.search.final_time import Timed, search_final_time
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.search import Found, search
@@ -16,7 +17,6 @@ from jaxatt.problems.hands_off.search.time_cost import Pricing
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Task
 from jaxatt.problems.scenario import Scenario
-from jaxatt.report.result import FinalTimes
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 

@@ -15,7 +15,7 @@ from jax import Array
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.verdict import Verdict
-from jaxatt.report.result import PointingRecord
+from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
 
 _BINDING = 1e-3

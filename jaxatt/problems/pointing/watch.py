@@ -14,25 +14,10 @@ from jaxatt.environment.table import EnvironmentTable, refined
 from jaxatt.problems.pointing.case import Pointing
 from jaxatt.problems.pointing.cones import cone_angles
 from jaxatt.problems.verdict import Verdict
+from jaxatt.records.pointing import Extreme
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.simulation.flight import Trajectory
-
-
-@dataclass(frozen=True)
-class Extreme:
-    """The instant of a flight at which it came nearest to breaking one limit.
-
-    kind : "keep-out", "keep-in" or "body-rate".  value, allowed : [rad], or [rad/s] of a rate.
-    time : [s] after the first instant.  satisfied : whether the limit holds, to one millionth.
-    """
-
-    name: str
-    kind: str
-    value: float
-    allowed: float
-    time: float
-    satisfied: bool
 
 
 @dataclass(frozen=True, eq=False)

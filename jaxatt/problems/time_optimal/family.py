@@ -12,9 +12,10 @@ from jaxatt.problems.scenario import SPACECRAFT, TIME_KINDS, Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.phase import build_time_task, time_record
 from jaxatt.problems.time_optimal.reading import read_time_optimal
+from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
 from jaxatt.problems.time_optimal.task import ReorientationTask
-from jaxatt.report.result import Phase
+from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report
 
 
@@ -33,6 +34,7 @@ class TimeOptimal(Family):
     systems = (SPACECRAFT,)
     kinds = TIME_KINDS
     tables = SPACECRAFT_TABLES
+    sections = TIME_OPTIMAL
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_time_optimal(document, origin, folder)

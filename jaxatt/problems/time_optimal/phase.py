@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from jaxatt.attitude import quaternion
@@ -13,10 +11,13 @@ from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs
+from jaxatt.problems.time_optimal.record import TimeOptimum
 from jaxatt.problems.time_optimal.search import FreeTimeFound
+from jaxatt.problems.time_optimal.switches import switch_times
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
-from jaxatt.report.result import Phase, PointingRecord, StartsRecord
-from jaxatt.report.time_optimum import TimeOptimum, switch_times
+from jaxatt.records.phase import Phase
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.starts import StartsRecord
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
 
 
@@ -88,19 +89,16 @@ def time_record(
         switches = arcs.switches
     final = count * step
     record = Phase(
+        family=scenario.family,
         start_time=start_time,
         step=step,
         controls=torque,
-        weight=np.ones(count),
-        window=np.zeros(count, bool),
-        forbidden=np.zeros(count, bool),
         series=series,
         reference={"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob},
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
         limit_violation=float(verdict.limit_violation[0]),
         margin_violation=float(verdict.margin_violation[0]),
-        max_complementarity=math.nan,
         objective={"time": final, "effort": scenario.objective.effort_weight * effort},
         effort=float(np.abs(torque).sum() * step),
         reached=reached,
@@ -119,7 +117,7 @@ def time_record(
             distinct_minima=found.minima,
         ),
         pointing=pointing,
-        time_optimum=TimeOptimum(
+        section=TimeOptimum(
             effort_weight=scenario.objective.effort_weight,
             cost=float(found.cost[best]),
             actuators=names,

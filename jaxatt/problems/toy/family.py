@@ -15,6 +15,7 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.toy.build import build_toy
 from jaxatt.problems.toy.flight import fly_toy
 from jaxatt.problems.toy.reading import read_toy
+from jaxatt.problems.toy.report import TOY
 from jaxatt.problems.toy.task import SYSTEMS, ToyTask
 from jaxatt.runtime.arrays import Floats
 
@@ -25,6 +26,7 @@ class Toy(SparseFamily):
     name = "toy"
     systems = tuple(SYSTEMS)
     tables = TOY_TABLES
+    sections = TOY
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_toy(document, origin, folder)

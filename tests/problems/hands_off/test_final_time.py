@@ -53,10 +53,10 @@ def test_the_least_count_with_its_time_is_that_of_two_bursts(seed):
     result = jaxatt.solve(free(distance, weight))
     phase = result.phases[0]
     assert phase.reached
-    assert phase.final_times.cost == pytest.approx(
+    assert phase.section.final_times.cost == pytest.approx(
         phase.active_intervals + weight * phase.final_time
     )
-    assert phase.final_times.cost == pytest.approx(costs.min(), rel=1e-7)
+    assert phase.section.final_times.cost == pytest.approx(costs.min(), rel=1e-7)
     assert phase.final_time == pytest.approx(times[np.argmin(costs)], rel=1e-7)
     np.testing.assert_allclose(np.abs(phase.controls[phase.active]), 1.0, rtol=1e-5)
 
@@ -71,7 +71,7 @@ def test_fuel_and_time_are_traded_as_athans_and_falb_have_it(seed):
 
     times = np.linspace(2.001 * np.sqrt(distance), LONGEST, 200_001)
     costs = active_shares(distance, times) * times / LONGEST + weight * times
-    assert phase.final_times.cost == pytest.approx(costs.min(), rel=1e-5)
+    assert phase.section.final_times.cost == pytest.approx(costs.min(), rel=1e-5)
     assert phase.final_time == pytest.approx(times[np.argmin(costs)], rel=0.02)
 
     # On a fine grid: fuel T - sqrt(T^2 - 4 d), so k T + fuel is least where dfuel/dT = -k.
@@ -79,7 +79,9 @@ def test_fuel_and_time_are_traded_as_athans_and_falb_have_it(seed):
     smooth = 2.0 * np.sqrt(distance) * (1.0 + k) / np.sqrt(k * (2.0 + k))
     assert phase.final_time == pytest.approx(smooth, rel=0.06)
     fuel = smooth - np.sqrt(smooth**2 - 4.0 * distance)
-    assert phase.final_times.cost == pytest.approx((fuel + k * smooth) * N / LONGEST, rel=0.01)
+    assert phase.section.final_times.cost == pytest.approx(
+        (fuel + k * smooth) * N / LONGEST, rel=0.01
+    )
 
 
 def test_another_distance_and_price_do_not_compile_anew():
@@ -118,12 +120,12 @@ def test_a_shortest_time_is_kept():
     phase = jaxatt.solve(free(1.0, 20.0, horizon=horizon)).phases[0]
     assert phase.reached
     assert phase.final_time == pytest.approx(6.0)
-    assert phase.final_times.final_time.min() >= 6.0
+    assert phase.section.final_times.final_time.min() >= 6.0
 
 
 def test_where_nothing_reaches_that_is_said():
     result = jaxatt.solve(free(40.0, 0.3))
-    tried = result.phases[0].final_times
+    tried = result.phases[0].section.final_times
     assert not result.reached
     assert result.phases[0].failure_reason
     assert not tried.reached.any()
@@ -160,7 +162,7 @@ def test_two_pulses_of_a_slew_last_until_the_wheels_saturate(slew):
     summary = result.summary()
     assert summary["final_time_s"] == pytest.approx(50.0 * summary["step_s"])
     reflight.assert_reached(slew, result)
-    assert len(phase.final_times.how) == len(summary["final_times"]["tried"])
+    assert len(phase.section.final_times.how) == len(summary["final_times"]["tried"])
 
 
 def test_every_leg_has_a_time_of_its_own_and_the_orbit_goes_on():

@@ -15,7 +15,7 @@ import numpy as np
 from jaxatt.problems.hands_off.search.on_off_search import nearest_pattern
 from jaxatt.problems.hands_off.search.pulse_widths import pulses_of, solve_widths
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.pointing.watch import Extreme
+from jaxatt.records.pointing import Extreme
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.simulation.flight import Trajectory
 from jaxatt.simulation.pulses import Pulses, overlaps, partly_open

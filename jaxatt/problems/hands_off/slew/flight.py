@@ -7,7 +7,7 @@ import numpy as np
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown
 from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.report.result import PointingRecord
+from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
 

@@ -1,7 +1,8 @@
-"""Panels that only a turn in minimum time has: MRP, switches, the cost of every start."""
+"""Panels that only a turn in free time has: MRP, switches, the cost of every start."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import jax
@@ -10,17 +11,30 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
 from jaxatt.attitude import mrp
-from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import Phase, Result
-from jaxatt.report.timeline import timeline
+from jaxatt.drawing.figure import colour, tidy
+from jaxatt.problems.answer import Answer
+from jaxatt.problems.sections import Panel
+from jaxatt.problems.time_optimal.record import time_optimum
+from jaxatt.records.phase import Phase
+from jaxatt.records.timeline import timeline
 from jaxatt.runtime.arrays import Floats
 
 _sigma = jax.jit(mrp.from_quaternion)
 
 
-def modified_rodrigues(axes: Axes, result: Result) -> None:
+def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
+    """The panels of every answer, with the MRP above the Euler angles."""
+    chosen: dict[str, Panel] = {}
+    for name, panel in common.items():
+        if name == "euler_angles":
+            chosen["mrp"] = modified_rodrigues
+        chosen[name] = panel
+    return chosen
+
+
+def modified_rodrigues(axes: Axes, result: Answer) -> None:
     """MRP of the set inside the unit sphere, targets dotted; a line breaks where sets change."""
-    line = timeline(result)
+    line = timeline(result.phases)
     sigma = np.asarray(_sigma(line.nodes["q_ob"]))
     time, broken = _broken(line.time, sigma)
     for index in range(3):
@@ -33,12 +47,10 @@ def modified_rodrigues(axes: Axes, result: Result) -> None:
     axes.set_ylabel("MRP")
 
 
-def mark_switches(axes: Axes, result: Result, kind: str, only: int | None = None) -> None:
+def mark_switches(axes: Axes, result: Answer, kind: str, only: int | None = None) -> None:
     """Dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
     for phase in result.phases:
-        optimum = phase.time_optimum
-        if optimum is None:
-            continue
+        optimum = time_optimum(phase)
         word = {"wheels": "wheel", "thrusters": "thruster"}.get(kind)
         rows = [
             times
@@ -55,8 +67,7 @@ def mark_switches(axes: Axes, result: Result, kind: str, only: int | None = None
 
 def costs_panel(axes: Axes, phase: Phase) -> None:
     """Cost of every start from the best to the worst, reached or not."""
-    optimum, starts = phase.time_optimum, phase.starts
-    assert optimum is not None
+    optimum, starts = time_optimum(phase), phase.starts
     known = np.isfinite(optimum.start_costs)
     order = np.argsort(np.where(known, optimum.start_costs, np.inf), kind="stable")
     rank, cost, reached = 1 + np.arange(len(order)), optimum.start_costs[order], starts.reached

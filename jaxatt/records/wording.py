@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from jaxatt.problems.pointing.watch import Extreme
+from jaxatt.records.pointing import Extreme
 
 OBJECTIVES = {
     "l0": "L0",
@@ -16,6 +16,11 @@ OBJECTIVES = {
 }
 
 _SHOWN_RUNS = 12
+
+
+def objective_title(kind: str) -> str:
+    """What an objective is called in tables and figures."""
+    return OBJECTIVES.get(kind, kind)
 
 
 def indices_text(indices: Sequence[int]) -> str:

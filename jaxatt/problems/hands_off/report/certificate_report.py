@@ -11,18 +11,17 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.report.figure import Picture, colour, picture
-from jaxatt.report.wording import indices_text, plural, short
+from jaxatt.drawing.figure import Picture, colour, picture
+from jaxatt.problems.hands_off.certificate import CertificateRecord, ClassRecord, PhaseCertificate
+from jaxatt.records.wording import indices_text, plural, short
 
 if TYPE_CHECKING:
     import xarray
 
-    from jaxatt.pipeline.certify import Certificate, ClassRecord, PhaseCertificate
-
 _LARGE = 1e15
 
 
-def sentences(certificate: Certificate) -> list[str]:
+def sentences(certificate: CertificateRecord) -> list[str]:
     """What was shown, what was only tried, and what is out of reach."""
     several = len(certificate.phases) > 1
     found = []
@@ -107,7 +106,7 @@ def _duration(seconds: float) -> str:
     return f"{seconds:.2g} s"
 
 
-def table(certificate: Certificate) -> Table:
+def table(certificate: CertificateRecord) -> Table:
     """One row a class of supports."""
     grid = Table(
         title=Text(f"Certificate for {certificate.result.scenario.title}", style="bold"),
@@ -141,7 +140,7 @@ def _cells(record: ClassRecord) -> tuple[str, ...]:
     return label, short(kind.cost), _many(kind.number), *ways, time
 
 
-def to_dict(certificate: Certificate) -> dict[str, Any]:
+def to_dict(certificate: CertificateRecord) -> dict[str, Any]:
     """Plain numbers, ready for JSON."""
     result = certificate.result
     return {
@@ -183,7 +182,7 @@ def _phase_numbers(phase: PhaseCertificate) -> dict[str, Any]:
     }
 
 
-def to_dataset(certificate: Certificate) -> xarray.Dataset:
+def to_dataset(certificate: CertificateRecord) -> xarray.Dataset:
     """Every support that was tried, both ways round.
 
     Dimensions "support" and "slot"; `interval` and `group` are -1 in slots that a support does not
@@ -229,7 +228,7 @@ def to_dataset(certificate: Certificate) -> xarray.Dataset:
     )
 
 
-def plot(certificate: Certificate) -> Picture:
+def plot(certificate: CertificateRecord) -> Picture:
     """Least effort of the supports that hold two given intervals, a panel a phase."""
     phases = certificate.phases
     figure = picture(5.6 * len(phases), 5.2, certificate.result.scenario.title)

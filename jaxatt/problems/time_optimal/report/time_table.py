@@ -10,7 +10,7 @@ from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.report.wording import short
+from jaxatt.records.wording import short
 
 _WORDS = {"euler": "forward Euler", "rk4": "Runge-Kutta"}
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from jaxatt.report.files import OutputError, filling, prepare_folder, replacing
-from jaxatt.report.summary import write_json
+from jaxatt.runtime.files import OutputError, filling, prepare_folder, replacing
+from jaxatt.runtime.json_files import write_json
 
 
 def test_a_folder_that_can_be_made_leaves_no_trace(tmp_path):
@@ -40,16 +40,3 @@ def test_a_folder_that_fails_half_way_stays_empty(tmp_path):
 def test_json_holds_no_nan(tmp_path):
     write_json({"x": float("nan"), "y": [1.0, float("inf")]}, tmp_path / "x.json")
     assert json.loads((tmp_path / "x.json").read_text()) == {"x": None, "y": [1.0, None]}
-
-
-def test_everything_in_one_folder(make, tmp_path):
-    written = make("double-integrator").save(tmp_path / "out")
-    assert {path.name for path in written} == {
-        "summary.json",
-        "result.nc",
-        "overview.png",
-        "control.png",
-        "state.png",
-        "starts.png",
-    }
-    assert set((tmp_path / "out").iterdir()) == set(written)

@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from jaxatt.report.figure import colour, tidy
-from jaxatt.report.result import FinalTimes, Phase
-from jaxatt.report.wording import plural, short
+from jaxatt.drawing.figure import colour, tidy
+from jaxatt.problems.hands_off.record import FinalTimes, sparse_section
+from jaxatt.records.labels import Variable
+from jaxatt.records.phase import Phase
+from jaxatt.records.wording import plural, short
 from jaxatt.runtime.arrays import Floats
-
-_Variable = tuple[tuple[str, ...], Any, dict[str, Any]]
 
 
 def final_times_summary(tried: FinalTimes | None) -> dict[str, Any] | None:
@@ -47,9 +47,9 @@ def cost_text(phase_summary: Mapping[str, Any]) -> str:
     return f"{short(tried['cost'], 6) or 'not reached'} ({times} tried)"
 
 
-def final_times_variables(phase: Phase, rows: int) -> dict[str, _Variable]:
-    """The trials as labelled arrays of `rows` rows, the last ones empty; none where fixed."""
-    tried = phase.final_times
+def final_times_variables(phase: Phase, rows: int) -> dict[str, Variable]:
+    """The final times as labelled arrays of `rows` rows, the last ones empty; none where fixed."""
+    tried = sparse_section(phase).final_times
     if tried is None:
         return {}
 
@@ -72,7 +72,7 @@ def final_times_variables(phase: Phase, rows: int) -> dict[str, _Variable]:
 
 def final_times_panels(axes: Sequence[Axes], phase: Phase) -> None:
     """Cost above, active intervals below, against final time; the answer is a star."""
-    tried = phase.final_times
+    tried = sparse_section(phase).final_times
     assert tried is not None
     above, below = axes
     known = np.isfinite(tried.costs)

@@ -1,0 +1,106 @@
+"""The answer of one optimisation, flown again: plain arrays and numbers, labelled."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from jaxatt.records.pointing import PointingRecord
+from jaxatt.records.starts import StartsRecord
+from jaxatt.runtime.arrays import Flags, Floats
+
+
+class Section:
+    """What only the answers of one family have; a family derives a frozen dataclass from it."""
+
+    def headline(self, phases: Sequence[Phase]) -> str:
+        """An answer in a few words, for the head of a figure: its final times."""
+        return ", ".join(f"{phase.final_time:.4f} s" for phase in phases)
+
+    def brief(self, phases: Sequence[Phase]) -> str:
+        """An answer in a few words, for one line: the length of all phases together."""
+        return f"{sum(phase.final_time for phase in phases):.6g} s"
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """What every answer has, whatever its family: one optimisation, flown again.
+
+    family : name under which `jaxatt.problems.registry` knows the family.
+    start_time, step : [s].  controls : (N, b), optimised controls (torques in body or wheel axes
+    [N m], or another system's controls), thresholded.
+    series : name -> array sampled in flight, with M = N + coast + 1 nodes or N intervals leading;
+    for a spacecraft "q_ob" (M, 4), "omega_ob" (M, 3) [rad/s], "omega_ib" (M, 3) [rad/s],
+    "omega_bw" (M, n) [rad/s], and "torque_body" (N, 3), "torque_wheels" (N, n) and
+    "torque_thrusters" (N, m) [N m], the last three where there are such actuators.
+    reference : name -> target of a series, e.g. "q_ob" (4,), "omega_ob" (3,).
+    errors, tolerances : name -> number: "attitude" [rad], "rate" [rad/s], "waypoint" [rad] or
+    others of the family's own.
+    objective : named parts of the cost.
+    effort : L1 effort [N m s], or the integral of the absolute controls of another system.
+    reached : whether the flight is within every tolerance and limit.
+    failure_reason : what stood in the way if it is not, in words; empty otherwise.
+    active : (N,), intervals in which a control is above the threshold.
+    starts : how every start ended.
+    pointing : None without cones and rate limits.
+    alternative : the best answer that does reach, where the best by cost does not.
+    section : what only this family's answers have.
+    """
+
+    family: str
+    start_time: float
+    step: float
+    controls: Floats
+    series: Mapping[str, Floats]
+    reference: Mapping[str, Floats]
+    errors: Mapping[str, float]
+    tolerances: Mapping[str, float]
+    limit_violation: float
+    margin_violation: float
+    objective: Mapping[str, float]
+    effort: float
+    reached: bool
+    failure_reason: str
+    active: Flags
+    starts: StartsRecord
+    pointing: PointingRecord | None = None
+    alternative: Phase | None = None
+    section: Section = field(default_factory=Section)
+
+    @property
+    def final_time(self) -> float:
+        """Length of the phase's horizon [s], without what coasts after it."""
+        return self.step * len(self.active)
+
+    @property
+    def control_effort(self) -> float:
+        """Integral of the summed squared torques of all actuators [(N m)^2 s], or of u^2."""
+        names = ("torque_wheels", "torque_thrusters")
+        flown = [self.series[name] for name in names if name in self.series] or [self.controls]
+        return sum(squared_effort(torque, self.step) for torque in flown)
+
+    @property
+    def active_intervals(self) -> int:
+        """Number of intervals in which a control is above the threshold."""
+        return int(self.active.sum())
+
+    @property
+    def total_cost(self) -> float:
+        """The cost, all parts together."""
+        return float(sum(self.objective.values()))
+
+    @property
+    def obstacle(self) -> str:
+        """`failure_reason`, by its earlier name."""
+        return self.failure_reason
+
+    def __repr__(self) -> str:
+        reached = "reached" if self.reached else "not reached"
+        return f"Leg({reached}, {self.section.brief((self,))})"
+
+
+def squared_effort(torque: Floats, step: float) -> float:
+    """Integral of the sum of squared torques [(N m)^2 s]; torque : (N, b) [N m], step : [s]."""
+    return float(step * np.sum(torque**2))
