@@ -1,4 +1,4 @@
-"""Where the manoeuvre starts, what it passes and where it must end."""
+"""Read the initial state, the waypoint and the targets of a scenario."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TOY_STATES = 2
 def read_initial(
     data: Any, origin: str, vehicle: Spacecraft | None, notes: list[str]
 ) -> InitialState:
-    """Return the checked start; `vehicle` is None for a toy system."""
+    """Read the initial state; `vehicle` is None for a toy system."""
     if vehicle is None:
         toy = Table(data, origin, "[initial]", TOY_TABLES["initial"])
         return InitialState(_IDENTITY, np.zeros(3), _EMPTY, toy.vector("state", _TOY_STATES))
@@ -46,7 +46,7 @@ def read_initial(
 def read_targets(
     document: dict[str, Any], origin: str, toy: bool, notes: list[str]
 ) -> tuple[Target, ...]:
-    """Return the checked target, or one target for each of the [[legs]]."""
+    """Read the target, or one target for each of the [[legs]]."""
     if toy:
         table = Table(document.get("target", {}), origin, "[target]", TOY_TABLES["target"])
         state = table.vector("state", _TOY_STATES)
@@ -88,7 +88,7 @@ def _target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
 
 
 def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str]) -> Waypoint:
-    """Return the checked waypoint; its time moves to the nearest node, with a note if it moved."""
+    """Read the waypoint; its time moves to the nearest node, with a note if it moved."""
     table = Table(data, origin, "[waypoint]", SPACECRAFT_TABLES["waypoint"])
     node = _node_by_number(table, horizon) if "node" in table else _node(table, horizon, notes)
     tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)

@@ -1,4 +1,4 @@
-"""The plain numbers of a scenario: orbit, horizon, disturbances, control, objective, solver."""
+"""Read orbit, horizon, disturbances, control, objective and solver of a scenario."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _SMALLEST_PARAMETER = 1e12
 
 
 def read_orbit(data: Any, origin: str) -> Orbit:
-    """Return the checked orbit in metres and radians."""
+    """Read the orbit, in metres and radians."""
     table = Table(data, origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
     axis = table.number("semi_major_axis_km", above=0.0, example="6852.2")
     if axis > _LARGEST_AXIS_KM:
@@ -88,7 +88,7 @@ def _days(table: Table) -> float | None:
 
 
 def read_horizon(data: Any, origin: str, optimal: bool = False) -> Horizon:
-    """Return the checked horizon; optimal : whether the objective finds the final time."""
+    """Read the horizon; optimal : whether the objective finds the final time."""
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
     if optimal:
         return read_open_horizon(table)
@@ -113,7 +113,7 @@ def read_horizon(data: Any, origin: str, optimal: bool = False) -> Horizon:
 
 
 def read_disturbances(data: Any, origin: str) -> Disturbances:
-    """Return the checked disturbances; a negative sine amplitude is a phase of half a turn."""
+    """Read the disturbances; a negative sine amplitude is a phase of half a turn."""
     table = Table(data, origin, "[disturbances]", SPACECRAFT_TABLES["disturbances"])
     return Disturbances(
         gravity_gradient=table.flag("gravity_gradient"),
@@ -123,7 +123,7 @@ def read_disturbances(data: Any, origin: str) -> Disturbances:
 
 
 def read_control(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
-    """Return the checked choice of control axes, or a toy system's control bound."""
+    """Read the choice of control axes, or a toy system's control bound."""
     if vehicle is None:
         toy = Table(data, origin, "[control]", TOY_TABLES["control"])
         return Control("body", toy.number("limit", 1.0, above=0.0))
@@ -141,7 +141,7 @@ def read_control(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
 
 
 def read_objective(data: Any, origin: str, toy: bool) -> Objective:
-    """Return the checked objective; the defaults are those of Schaanning (2021), table 5.1."""
+    """Read the objective; the defaults are those of Schaanning (2021), table 5.1."""
     tables = TOY_TABLES if toy else SPACECRAFT_TABLES
     table = Table(data, origin, "[objective]", tables["objective"])
     kind = table.choice("kind", SPARSE_KINDS if toy else (*SPARSE_KINDS, *TIME_KINDS), "l0")
@@ -174,7 +174,7 @@ def read_objective(data: Any, origin: str, toy: bool) -> Objective:
 
 
 def read_solver(data: Any, origin: str) -> SolverSettings:
-    """Return the checked number of starts and the seed."""
+    """Read the number of starts and the seed."""
     table = Table(data, origin, "[solver]", SPACECRAFT_TABLES["solver"])
     return SolverSettings(
         starts=table.integer("starts", 64), seed=table.integer("seed", 0, at_least=0)

@@ -1,4 +1,4 @@
-"""What a scenario may say of a turn whose time is minimised, alone or with its effort."""
+"""Read and check scenarios that minimise time, or time plus effort."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ELSEWHERE = {
 
 
 def check_time_optimal(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
-    """Refuse what has no meaning where time is minimised.
+    """Refuse tables and keys that have no meaning where time is minimised.
 
     Raises `ScenarioError`.
     """
@@ -47,7 +47,7 @@ def check_time_optimal(document: Mapping[str, Any], origin: str, notes: list[str
 
 
 def read_effort_weight(table: Table, kind: str) -> float:
-    """Return rho of an [objective] [1/(N m)^2]; 0 where effort has no price."""
+    """Read rho of an [objective] [1/(N m)^2]; 0 where effort is not part of the cost."""
     if kind not in TIME_KINDS:
         if "effort_weight" in table:
             table.fail("effort_weight", f"not used by kind = {kind}", 'use kind = "time-effort"')
@@ -57,7 +57,7 @@ def read_effort_weight(table: Table, kind: str) -> float:
 
 
 def read_open_horizon(table: Table) -> Horizon:
-    """Return the grid of a turn whose time is found: its intervals, and limits of the time."""
+    """Read a horizon whose time is found: the number of intervals, and limits of the time."""
     if table.choice("final_time", ("fixed", "free"), "free") == "fixed":
         table.fail("final_time", "this objective finds the final time", 'use "free" or drop it')
     for key, mend in (
@@ -79,7 +79,7 @@ def read_open_horizon(table: Table) -> Horizon:
 
 
 def read_transcription(data: Any, origin: str, objective: Objective) -> Transcription:
-    """Return the coordinates and the integration of a turn whose time is found."""
+    """Read the attitude coordinates and the integration method of a turn in free time."""
     table = Table(data, origin, "[transcription]", SPACECRAFT_TABLES["transcription"])
     if table.data and objective.kind not in TIME_KINDS:
         raise ScenarioError(
@@ -93,7 +93,7 @@ def read_transcription(data: Any, origin: str, objective: Objective) -> Transcri
 
 
 def read_separate_torques(data: Any, origin: str, vehicle: Spacecraft | None) -> Control:
-    """Return the control of such a turn: every wheel and thruster by itself, not quantised."""
+    """Read the control of such a turn: each wheel and thruster by itself, not quantised."""
     table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
     for key, only in (("axes", "wheels"), ("quantisation", "none")):
         if key in table and table.data[key] != only:
@@ -102,7 +102,7 @@ def read_separate_torques(data: Any, origin: str, vehicle: Spacecraft | None) ->
 
 
 def check_storable(origin: str, vehicle: Spacecraft, initial: InitialState, target: Target) -> None:
-    """Refuse speed limits of wheels that cannot hold the momentum that is left at the target.
+    """Refuse wheel speed limits that cannot hold the momentum that is left at the target.
 
     Without external torques the total momentum stays as it is in the inertial frame, and with the
     target's attitude and rate what the wheels must hold then is known.  Raises `ScenarioError`.
@@ -125,6 +125,6 @@ def check_storable(origin: str, vehicle: Spacecraft, initial: InitialState, targ
 
 
 def _rotated(q: Float64, v: Float64) -> Float64:
-    """R(q) v in NumPy: exact whatever precision JAX is set to."""
+    """Rotate a vector, R(q) v, in NumPy: exact whatever precision JAX is set to."""
     twice = 2.0 * np.cross(q[1:], v)
     return np.asarray(v + q[0] * twice + np.cross(q[1:], twice))
