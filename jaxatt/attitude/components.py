@@ -21,7 +21,7 @@ Scalar = Array | float
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Vector:
-    """Three components of any common shape; + and - of vectors, * and / by a number."""
+    """A vector of three components that share any shape, with the usual vector arithmetic."""
 
     x: Scalar
     y: Scalar
@@ -29,22 +29,22 @@ class Vector:
 
     @classmethod
     def of(cls, array: Any) -> Vector:
-        """From an array (..., 3)."""
+        """Make a vector from an array (..., 3)."""
         rows = jnp.asarray(array)
         return cls(rows[..., 0], rows[..., 1], rows[..., 2])
 
     @property
     def array(self) -> Array:
-        """As an array (..., 3)."""
+        """Return the components as an array (..., 3)."""
         return jnp.stack([jnp.asarray(part) for part in self.parts], axis=-1)
 
     @property
     def parts(self) -> tuple[Scalar, Scalar, Scalar]:
-        """The components."""
+        """The three components."""
         return self.x, self.y, self.z
 
     def map(self, function: Any, *others: Vector) -> Vector:
-        """`function` on each component, with those of other vectors beside."""
+        """Apply `function` to each component, together with the same component of other vectors."""
         return Vector(*(function(*p) for p in zip(self.parts, *(o.parts for o in others))))  # noqa: B905
 
     def __add__(self, other: Vector) -> Vector:
@@ -65,7 +65,7 @@ class Vector:
         return Vector(-self.x, -self.y, -self.z)
 
     def times(self, other: Vector) -> Vector:
-        """Product component by component."""
+        """Multiply component by component."""
         return Vector(self.x * other.x, self.y * other.y, self.z * other.z)
 
     def dot(self, other: Vector) -> Scalar:
@@ -91,7 +91,7 @@ class Vector:
 
 
 def combination(vectors: Sequence[Vector], factors: Sequence[Scalar], like: Vector) -> Vector:
-    """Sum of vectors times factors; of none, zero of the shape of `like`."""
+    """Sum vectors times factors; without any, return zero in the shape of `like`."""
     zero = 0.0 * like.x
     terms = (v * factor for v, factor in zip(vectors, factors, strict=True))
     return sum(terms, Vector(zero, zero, zero))
@@ -100,13 +100,13 @@ def combination(vectors: Sequence[Vector], factors: Sequence[Scalar], like: Vect
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Matrix:
-    """Three rows."""
+    """A 3 x 3 matrix as three row vectors."""
 
     rows: tuple[Vector, Vector, Vector]
 
     @classmethod
     def of(cls, array: Any) -> Matrix:
-        """From an array (..., 3, 3)."""
+        """Make a matrix from an array (..., 3, 3)."""
         matrix = jnp.asarray(array)
         return cls(
             (
@@ -121,61 +121,61 @@ class Matrix:
 
 
 def matvec(matrix: Array, v: Vector) -> Vector:
-    """Matrix (3, 3) times vector."""
+    """Product of a matrix (3, 3) and a vector."""
     return Matrix.of(matrix) @ v
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Quaternion:
-    """Scalar part and vector part; conventions as in `jaxatt.attitude.quaternion`."""
+    """A quaternion as scalar part and vector part, as in `jaxatt.attitude.quaternion`."""
 
     eta: Scalar
     eps: Vector
 
     @classmethod
     def of(cls, array: Any) -> Quaternion:
-        """From an array (..., 4), scalar first."""
+        """Make a quaternion from an array (..., 4), scalar first."""
         q = jnp.asarray(array)
         return cls(q[..., 0], Vector.of(q[..., 1:]))
 
     @property
     def array(self) -> Array:
-        """As an array (..., 4), scalar first."""
+        """Return the quaternion as an array (..., 4), scalar first."""
         return jnp.concatenate([jnp.asarray(self.eta)[..., None], self.eps.array], axis=-1)
 
     def conjugate(self) -> Quaternion:
-        """The inverse of a unit quaternion."""
+        """Conjugate; for a unit quaternion, its inverse."""
         return Quaternion(self.eta, -self.eps)
 
     def multiply(self, other: Quaternion) -> Quaternion:
-        """R(self) R(other)."""
+        """Quaternion product, whose rotation is R(self) R(other)."""
         return Quaternion(
             self.eta * other.eta - self.eps.dot(other.eps),
             self.eta * other.eps + other.eta * self.eps + self.eps.cross(other.eps),
         )
 
     def rotate(self, v: Vector) -> Vector:
-        """R(q) v."""
+        """Rotate a vector: R(q) v."""
         twice = 2.0 * self.eps.cross(v)
         return v + self.eta * twice + self.eps.cross(twice)
 
     def rotate_inverse(self, v: Vector) -> Vector:
-        """R(q)' v."""
+        """Rotate a vector back: R(q)' v."""
         return self.conjugate().rotate(v)
 
     def derivative(self, omega: Vector) -> Quaternion:
-        """1/2 q (x) [0, omega], omega in the axes that q turns from."""
+        """Kinematics dq/dt = 1/2 q (x) [0, omega], with omega in the axes that q turns from."""
         return Quaternion(
             -0.5 * self.eps.dot(omega), 0.5 * (self.eta * omega + self.eps.cross(omega))
         )
 
     def normalized(self) -> Quaternion:
-        """Of unit norm."""
+        """Scale to unit norm."""
         scale = lax.rsqrt(jnp.asarray(self.eta * self.eta + self.eps.dot(self.eps)))
         return Quaternion(self.eta * scale, self.eps * scale)
 
     def canonical(self) -> Quaternion:
-        """Of q and -q, one attitude, the one with eta >= 0."""
+        """Of q and -q, which are the same attitude, return the one with eta >= 0."""
         sign = jnp.where(jnp.asarray(self.eta) < 0.0, -1.0, 1.0)
         return Quaternion(self.eta * sign, self.eps * sign)

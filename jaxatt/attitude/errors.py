@@ -1,4 +1,4 @@
-"""How far one attitude is from another.
+"""Measures of the difference between two attitudes.
 
 None of these measures tells q from -q, except `error_quaternion`.
 """

@@ -59,7 +59,7 @@ def to_quaternion(sigma: ArrayLike) -> jax.Array:
 
 
 def shadow(sigma: ArrayLike) -> jax.Array:
-    """The other set of the same attitude, -sigma / |sigma|^2, shape (..., 3).
+    """The other MRP of the same attitude, -sigma / |sigma|^2, shape (...).
 
     The shadow of zero lies at infinity; zero is returned there.
     """

@@ -1,4 +1,4 @@
-"""`jaxatt certify`."""
+"""Command `jaxatt certify`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every command does beside its own work: check input, show results, end cleanly."""
+"""Steps that all commands share: check input, show results, exit cleanly."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ BAD_INPUT, NOT_REACHED, INTERRUPTED = 2, 3, 130
 
 
 def prepare_jax(cache: Path | None = None) -> None:
-    """Set JAX up for this process; before anything is computed."""
+    """Set JAX up for this process, before anything is computed."""
     from jaxatt.runtime.settings import configure
 
     configure(cache=cache)
 
 
 def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:
-    """The checked scenario and a folder that can be written: all that can be wrong beforehand."""
+    """Load the scenario and prepare the output folder, so that bad input fails before the solve."""
     from jaxatt import scenarios
     from jaxatt.runtime.files import prepare_folder
 
@@ -38,7 +38,7 @@ def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scen
 
 
 def show(table: RenderableType) -> None:
-    """Print a table, plain where no terminal reads it."""
+    """Print a table, as plain text where the output is no terminal."""
     from rich.console import Console
 
     from jaxatt.drawing.rendering import as_text
@@ -51,7 +51,7 @@ def show(table: RenderableType) -> None:
 
 
 def finish(line: str, files: list[Path], folder: Path, quiet: bool) -> None:
-    """Say what was written, or nothing but the result's one line."""
+    """Print what was written, or with `quiet` the result in one line."""
     if quiet:
         typer.echo(f"{line}; {folder}")
         return
@@ -61,7 +61,7 @@ def finish(line: str, files: list[Path], folder: Path, quiet: bool) -> None:
 
 
 def shortfall(result: Result) -> str:
-    """What was closest, and what stood in its way."""
+    """Sentences on what came closest to the target, and which constraint was in the way."""
     parts = []
     for number, phase in enumerate(result.phases, start=1):
         if phase.reached:

@@ -1,4 +1,4 @@
-"""`jaxatt compare`."""
+"""Command `jaxatt compare`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def compare(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Run every controller, law of a flight or transcription, with the printed values beside."""
+    """Run every controller, law or transcription of a case beside its printed values."""
     with clean_exit():
         kind = _kind(case)
         if kind == "imaging":
@@ -54,8 +54,7 @@ def compare(
 
 
 def _kind(case: str) -> str:
-    """What a name or file describes; a file with laws is a flight."""
-    from jaxatt.problems.reading.documents import read_file
+    """Kind of case that a name or file describes; a file with laws is a flight."""
     from jaxatt.scenarios import kind_of
 
     known = kind_of(case)

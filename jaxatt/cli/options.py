@@ -10,14 +10,14 @@ import typer
 
 
 class Terminal(StrEnum):
-    """How the end of the manoeuvre enters."""
+    """Treatment of the target: as a constraint or as a penalty in the cost."""
 
     reach = "reach"
     penalty = "penalty"
 
 
 class Objective(StrEnum):
-    """What is made sparse, or short."""
+    """Objective that is minimised."""
 
     l0 = "l0"
     moving_l0 = "moving-l0"

@@ -1,4 +1,4 @@
-"""`jaxatt scenarios`."""
+"""Command `jaxatt scenarios`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ scenarios = typer.Typer(help="List the bundled scenarios, or print one as TOML."
 
 @scenarios.callback(invoke_without_command=True)
 def list_scenarios(context: typer.Context) -> None:
-    """List the bundled scenarios with a line each."""
+    """List the bundled scenarios, one line each."""
     if context.invoked_subcommand is not None:
         return
     from jaxatt.scenarios.bundled import KINDS, titles

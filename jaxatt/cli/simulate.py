@@ -1,4 +1,4 @@
-"""`jaxatt simulate`."""
+"""Command `jaxatt simulate`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`jaxatt solve`."""
+"""Command `jaxatt solve`."""
 
 from __future__ import annotations
 

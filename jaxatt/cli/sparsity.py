@@ -1,4 +1,4 @@
-"""`jaxatt sparsity`."""
+"""Command `jaxatt sparsity`."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def sparsity(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Relative sparsity against intervals and torque limit, with the bound of impulse balance."""
+    """Compute relative sparsity against intervals and torque limit, with a lower bound."""
     with clean_exit():
         scenario, folder = prepared(case, {}, out)
         counts, factors = _numbers("--intervals", intervals), _numbers("--limits", limits)
@@ -45,7 +45,7 @@ def sparsity(
 
 
 def _numbers(option: str, text: str) -> list[float]:
-    """Positive numbers separated by commas."""
+    """Read positive numbers separated by commas."""
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:

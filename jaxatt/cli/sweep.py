@@ -1,4 +1,4 @@
-"""`jaxatt sweep`."""
+"""Command `jaxatt sweep`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def sweep(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Time and effort against the weight of effort, and the front between the two."""
+    """Compute time and effort against the weight of effort, and the front between the two."""
     with clean_exit():
         weights = None if rho is None else _weights(rho)
         from jaxatt.runtime.files import prepare_folder
@@ -48,7 +48,7 @@ def sweep(
 
 
 def _weights(text: str) -> list[float]:
-    """Non-negative numbers separated by commas."""
+    """Read non-negative numbers separated by commas."""
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:

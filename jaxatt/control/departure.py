@@ -1,4 +1,4 @@
-"""How far a state is from a constant reference, as the continuous laws see it."""
+"""Attitude and rate errors of a state against a constant reference, for the continuous laws."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from jaxatt.spacecraft.dynamics import AttitudeState
 def departure(
     reference: Array, reference_rate: Array, state: AttitudeState, environment: Environment
 ) -> tuple[Array, Array]:
-    """eps_e (3,), the short way round, and omega_e (3,) [rad/s].
+    """Vector part eps_e (3,) of the error quaternion, the short way round, and omega_e (3,)
+    [rad/s].
 
     reference : (4,), q_ob.  reference_rate : (3,) [rad/s], omega_ob.
     """

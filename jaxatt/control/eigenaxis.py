@@ -1,4 +1,4 @@
-"""The gain-scheduled law on one axis, where its first two phases have closed forms."""
+"""Closed-form settling of the gain-scheduled min-norm law on one axis."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Eigenaxis:
-    """One axis under the low gains: theta'' + kd theta' + kp/2 theta = 0, from rest.
+    """Motion about one axis under the low gains: theta'' + kd theta' + kp/2 theta = 0, from rest.
 
     gamma here belongs to theta, as in section IV; the laws' coupling belongs to q = theta / 2 and
     is twice that.
@@ -21,12 +21,12 @@ class Eigenaxis:
 
     @property
     def frequency(self) -> float:
-        """omega_n [rad/s]."""
+        """Natural frequency omega_n [rad/s]."""
         return math.sqrt(0.5 * self.proportional)
 
     @property
     def damping(self) -> float:
-        """zeta."""
+        """Damping ratio zeta."""
         return 0.5 * self.derivative / self.frequency
 
     def derivative_for(self, proportional: float) -> float:
@@ -34,14 +34,14 @@ class Eigenaxis:
         return 2.0 * self.damping * math.sqrt(0.5 * proportional)
 
     def switching_time(self, gamma: float) -> float:
-        """When theta' + gamma theta first vanishes and the torque goes off, t_s [s]."""
+        """Time t_s [s] at which theta' + gamma theta first vanishes and the torque goes off."""
         decay = self.damping * self.frequency
         turn = self.frequency * math.sqrt(1.0 - self.damping**2)
         phase = math.atan2(decay, turn)
         return (math.atan2(gamma - decay, turn) + phase) / turn
 
     def settling_limit(self, gamma: float) -> float:
-        """Settling time with infinite high gains [s]: t_s and a straight line home, eq. (31)."""
+        """Settling time [s] with infinite high gains: t_s, then coasting home; eq. (31)."""
         return self.switching_time(gamma) + 1.0 / gamma
 
     def gamma_for(self, limit: float) -> float:
@@ -64,7 +64,7 @@ class Eigenaxis:
         return high
 
     def fastest(self) -> float:
-        """The gamma [1/s] of the least settling limit.
+        """The gamma [1/s] with the shortest settling limit.
 
         The derivative of (31) vanishes where gamma^2 = omega_n^2 - kd gamma + gamma^2, that is at
         omega_n^2 / kd.

@@ -1,4 +1,4 @@
-"""What a sampled feedback law is given, and what it gives."""
+"""Interface of a sampled feedback law: its measurements, its torque and its memory."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jaxatt.attitude.components import Quaternion, Scalar, Vector
 
 
 class Measured(NamedTuple):
-    """What a law sees at a sampling instant, all vectors in body axes.
+    """Measurements that a feedback law receives at a sampling instant, all vectors in body axes.
 
     time : [s].  error : attitude relative to the reference, eta >= 0 (short way round).
     rate_error : omega_ob minus its reference [rad/s].  omega : omega_ib [rad/s].
@@ -25,13 +25,13 @@ class Measured(NamedTuple):
 
 
 class FeedbackLaw(Protocol):
-    """A law is a pytree of its gains; what it remembers from sample to sample is handed through.
+    """A feedback law as a pytree of its gains; its memory is passed from sample to sample.
 
     Torques are those on the wheels in body axes [N m]: the body receives the negative.
     """
 
     def initial(self) -> Any:
-        """What the law remembers before the first sample; () for nothing."""
+        """Memory before the first sample; () for a law without memory."""
 
     def __call__(self, measured: Measured, memory: Any, period: Scalar) -> tuple[Vector, Any]:
-        """Torque, held over `period` [s], and what to remember."""
+        """Torque to hold over `period` [s], and the memory for the next sample."""

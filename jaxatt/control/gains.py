@@ -1,4 +1,4 @@
-"""Checks of gains on the host, before anything is traced."""
+"""Checks of a law's gains on the host, before anything is traced."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _MAY_VANISH = ("proportional", "derivative", "slope", "coupling")
 
 
 def check_gains(law: Any) -> None:
-    """Refuse gains of the wrong shape or sign; laws of a user's own pass as they are.
+    """Raise an error for gains of the wrong shape or sign; a user's own laws are not checked.
 
     Raises `FieldError`, a `ValueError` that names the gain.
     """

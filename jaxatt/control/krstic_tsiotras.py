@@ -1,4 +1,4 @@
-"""Continuous inverse optimal law of Krstic and Tsiotras."""
+"""Inverse optimal feedback law of Krstic and Tsiotras."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ class KrsticTsiotras:
     factor: Array | float = 1.5
 
     def initial(self) -> tuple[()]:
-        """Nothing is remembered."""
+        """This law has no memory."""
         return ()
 
     def __call__(
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
-        """Torque on the wheels."""
+        """Torque on the wheels in body axes [N m]."""
         omega = measured.rate_error
         p = measured.error.eps / measured.error.eta
         v = omega + self.first * p

@@ -1,4 +1,4 @@
-"""Gain-scheduled min-norm control that switches by what it has done."""
+"""Gain-scheduled min-norm law that switches once from low to high gains and stays there."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class LatchedMinNorm:
     printed: bool = field(default=False, metadata={"static": True})
 
     def initial(self) -> tuple[Array, Array]:
-        """Whether the torque has been off, and LgV u_2 at the sample before."""
+        """Memory: whether the torque has been off, and LgV u_2 at the previous sample."""
         return jnp.asarray(0.0), jnp.asarray(0.0)
 
     def __call__(
         self, measured: Measured, memory: tuple[Array, Array], period: Scalar
     ) -> tuple[Vector, tuple[Array, Array]]:
-        """Torque on the wheels, and what `initial` says, now."""
+        """Torque on the wheels in body axes [N m], and the updated memory."""
         latch, before = memory
         along = direction(measured, self.coupling, self.inertia, self.printed)
         low, high = (

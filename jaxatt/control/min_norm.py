@@ -1,4 +1,4 @@
-"""Pointwise minimum-norm control with a PD benchmark, and its gain-scheduled form."""
+"""Pointwise min-norm feedback law with a PD benchmark, and its gain-scheduled form."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from jaxatt.control.feedback import Measured
 
 
 def direction(measured: Measured, coupling: Scalar, inertia: Array, printed: bool) -> Vector:
-    """LgV' of the Lyapunov function with bilinear coupling, eq. (15)."""
+    """Direction LgV' of a Lyapunov function with bilinear coupling; eq. (15)."""
     along = measured.rate_error + coupling * measured.error.eps
     return matvec(inverse(inertia), along) if printed else along
 
 
 def benchmark(measured: Measured, inertia: Array, kp: Scalar, kd: Scalar) -> Vector:
-    """Torque on the body of the PD law, eq. (13)."""
+    """Torque of the benchmark PD law on the body; eq. (13)."""
     return -matvec(inertia, kp * measured.error.eps + kd * measured.rate_error)
 
 
 def projected(torque: Vector, along: Vector) -> Vector:
-    """Least torque with the same LgV u as `torque`, eq. (10)."""
+    """Smallest torque with the same LgV u as `torque`; eq. (10)."""
     squared = jnp.asarray(along.dot(along))
     vanishes = squared <= 0.0
     return along * (torque.dot(along) / jnp.where(vanishes, 1.0, squared))
@@ -34,7 +34,7 @@ def projected(torque: Vector, along: Vector) -> Vector:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class MinNorm:
-    """The least torque that lets the Lyapunov function fall as fast as a PD law would.
+    """Smallest torque that decreases the Lyapunov function as fast as a PD law would.
 
     inertia : (3, 3) [kg m^2].  proportional, derivative : () [1/s^2], [1/s], in units of it.
     coupling : () [1/s], gamma.
@@ -50,13 +50,13 @@ class MinNorm:
     printed: bool = field(default=False, metadata={"static": True})
 
     def initial(self) -> tuple[()]:
-        """Nothing is remembered."""
+        """This law has no memory."""
         return ()
 
     def __call__(
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
-        """Torque on the wheels."""
+        """Torque on the wheels in body axes [N m]."""
         along = direction(measured, self.coupling, self.inertia, self.printed)
         u = benchmark(measured, self.inertia, self.proportional, self.derivative)
         on = jnp.where(jnp.asarray(along.dot(u)) < 0.0, 1.0, 0.0)
@@ -66,7 +66,7 @@ class MinNorm:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class GainScheduledMinNorm:
-    """Low gains while the high ones would ask for much torque, nothing in between, then high gains.
+    """Low gains while the high gains would need a large torque, then no torque, then high gains.
 
     As `MinNorm`, with gains of both modes (2,), low ones first.
     threshold : () [N m], epsilon: the high gains act where their torque is below it on every axis.
@@ -81,13 +81,13 @@ class GainScheduledMinNorm:
     printed: bool = field(default=False, metadata={"static": True})
 
     def initial(self) -> tuple[()]:
-        """Nothing is remembered."""
+        """This law has no memory."""
         return ()
 
     def __call__(
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
-        """Torque on the wheels."""
+        """Torque on the wheels in body axes [N m]."""
         along = direction(measured, self.coupling, self.inertia, self.printed)
         low, high = (
             benchmark(measured, self.inertia, self.proportional[i], self.derivative[i])

@@ -1,4 +1,4 @@
-"""Unloading the wheels with magnetorquers."""
+"""Unloading of the wheels' momentum by magnetorquers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxatt.attitude.components import Vector
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class MomentumDumping:
-    """Dipole k_m (h_e x B) / |B|^p.
+    """Cross-product law for unloading: dipole k_m (h_e x B) / |B|^p.
 
     gain : () [1/s] with p = 2.  reference : (n,) [rad/s], wheel speeds to keep.
     printed : True for p = 1 (static), as Kristiansen (2023) prints in eq. (11.26): that is weaker
@@ -25,7 +25,7 @@ class MomentumDumping:
     printed: bool = field(default=False, metadata={"static": True})
 
     def dipole(self, momentum_error: Vector, field_b: Vector) -> Vector:
-        """Dipole [A m^2] in body axes.
+        """Dipole [A m^2] of the magnetorquers in body axes.
 
         momentum_error : A Jw (omega_bw - reference) [N m s].  field_b : [T].
         """

@@ -1,4 +1,4 @@
-"""Proportional-derivative law, continuous, towards a constant reference."""
+"""Continuous proportional-derivative law for a constant reference."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jaxatt.spacecraft.vehicle import Spacecraft
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class PDLaw:
-    """Law tau_b = K_d omega_e + K_p eps_e, as torque on the wheels.
+    """PD law tau_b = K_d omega_e + K_p eps_e, given as torque on the wheels.
 
     craft : vehicle.  reference : (4,), target q_ob.  reference_rate : (3,) [rad/s], target
     omega_ob.  proportional, derivative : () [1/s^2], [1/s], gains in units of J_s (table 5.1).

@@ -1,4 +1,4 @@
-"""Proportional-derivative feedback, and the law that samples it and holds."""
+"""Proportional-derivative feedback, and the sampled law that uses it."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _V = TypeVar("_V", Vector, Array)
 def proportional_derivative(
     error: _V, rate_error: _V, proportional: Scalar, derivative: Scalar
 ) -> _V:
-    """K_p eps_e + K_d omega_e, of vectors in components or of arrays (3,)."""
+    """PD feedback K_p eps_e + K_d omega_e, of vectors in components or of arrays (3,)."""
     return rate_error * derivative + error * proportional
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ProportionalDerivative:
-    """Torque K_d omega_e + K_p eps_e.
+    """Sampled PD law with torque K_d omega_e + K_p eps_e.
 
     inertia : (3, 3) [kg m^2].  proportional : () [1/s^2] and derivative : () [1/s], in units of it.
     Source: Kristiansen (2023), eq. (11.36); Horri et al., eq. (13), with the opposite sign.
@@ -35,13 +35,13 @@ class ProportionalDerivative:
     derivative: Array | float
 
     def initial(self) -> tuple[()]:
-        """Nothing is remembered."""
+        """This law has no memory."""
         return ()
 
     def __call__(
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
-        """Torque on the wheels."""
+        """Torque on the wheels in body axes [N m]."""
         wanted = proportional_derivative(
             measured.error.eps, measured.rate_error, self.proportional, self.derivative
         )

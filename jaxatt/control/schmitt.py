@@ -1,4 +1,4 @@
-"""Proportional-derivative law for valves: a Schmitt trigger opens and shuts each thruster."""
+"""PD law for on/off thrusters, whose valves are switched by Schmitt triggers."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxatt.spacecraft.vehicle import Spacecraft
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SchmittLaw:
-    """A thruster opens when the torque wanted of it exceeds `on`, and shuts below `off`.
+    """PD law that opens a thruster when its torque demand exceeds `on` and shuts it below `off`.
 
     craft : vehicle with thrusters.  reference : (4,), target q_ob.  reference_rate : (3,) [rad/s].
     proportional, derivative : () [N m], [N m s].  on, off : () [N m].
@@ -37,7 +37,7 @@ class SchmittLaw:
 
     @property
     def shut(self) -> Array:
-        """All valves shut, (m,): the memory at the start."""
+        """Memory at the start, (m,): all valves are shut."""
         return jnp.zeros(self.craft.thrusters.count, bool)
 
     def __call__(

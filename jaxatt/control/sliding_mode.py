@@ -1,4 +1,4 @@
-"""First-order sliding mode control."""
+"""First-order sliding-mode law."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jaxatt.control.surfaces import surface
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SlidingMode:
-    """Torque k sgn(sigma), axis by axis.
+    """Sliding-mode law with torque k sgn(sigma) on each axis.
 
     gain : (3,) [N m].  slope : () [1/s] of the surface.  kind : "pointing" or "slewing" (static).
     Source: Kristiansen (2023), eq. (11.35).
@@ -27,12 +27,12 @@ class SlidingMode:
     kind: str = field(default="pointing", metadata={"static": True})
 
     def initial(self) -> tuple[()]:
-        """Nothing is remembered."""
+        """This law has no memory."""
         return ()
 
     def __call__(
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
-        """Torque on the wheels."""
+        """Torque on the wheels in body axes [N m]."""
         sigma = surface(self.kind, measured, self.slope)
         return Vector.of(self.gain).times(sigma.map(jnp.sign)), memory

@@ -1,4 +1,4 @@
-"""Generalised super-twisting: a second-order sliding mode whose switching is integrated."""
+"""Generalised super-twisting law: a second-order sliding mode with an integrated switching term."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def _signed_root(x: Scalar) -> Array:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SuperTwisting:
-    """Torque k_1 phi_1(sigma) - z, dz/dt = -k_2 phi_2(sigma), axis by axis.
+    """Super-twisting law with torque k_1 phi_1(sigma) - z, dz/dt = -k_2 phi_2(sigma), on each axis.
 
     first : (3,), k_1.  second : (3,), k_2.  beta : ().  slope : () [1/s] of the surface.
     kind : "pointing" or "slewing" (static).
@@ -39,12 +39,12 @@ class SuperTwisting:
     kind: str = field(default="pointing", metadata={"static": True})
 
     def initial(self) -> Vector:
-        """z = 0."""
+        """Integral term z before the first sample: zero."""
         zero = 0.0 * jnp.asarray(self.first)
         return Vector.of(zero)
 
     def __call__(self, measured: Measured, memory: Vector, period: Scalar) -> tuple[Vector, Vector]:
-        """Torque on the wheels, and z at the next sample."""
+        """Torque on the wheels in body axes [N m], and z at the next sample."""
         sigma = surface(self.kind, measured, self.slope)
         root = sigma.map(_signed_root)
         phi_1 = root + self.beta * sigma

@@ -9,13 +9,18 @@ SURFACES = ("pointing", "slewing")
 
 
 def pointing_surface(measured: Measured, slope: Scalar) -> Vector:
-    """deps_e/dt + K eps_e; Kristiansen (2023), eq. (11.29).  slope : K [1/s]."""
+    """Surface for pointing, deps_e/dt + K eps_e; Kristiansen (2023), eq. (11.29).
+
+    slope : K [1/s].
+    """
     error, rate = measured.error, measured.rate_error
     return error.derivative(rate).eps + slope * error.eps
 
 
 def slewing_surface(measured: Measured, slope: Scalar) -> Vector:
-    """omega_e + 2 c_1 sgn(eta_e) eps_e; Kristiansen (2023), eq. (11.31).  slope : c_1 [1/s].
+    """Surface for slewing, omega_e + 2 c_1 sgn(eta_e) eps_e; Kristiansen (2023), eq. (11.31).
+
+    slope : c_1 [1/s].
 
     The sign is 1: the error comes with eta_e >= 0.
     """
@@ -23,5 +28,5 @@ def slewing_surface(measured: Measured, slope: Scalar) -> Vector:
 
 
 def surface(kind: str, measured: Measured, slope: Scalar) -> Vector:
-    """The surface of a kind."""
+    """Sliding surface of the given kind."""
     return (pointing_surface if kind == "pointing" else slewing_surface)(measured, slope)

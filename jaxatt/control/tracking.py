@@ -1,4 +1,4 @@
-"""Flying an optimised manoeuvre: its own torques, and feedback on what it departs from."""
+"""Tracking of an optimised manoeuvre: feed-forward torque with feedback on the errors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxatt.control.proportional_derivative import ProportionalDerivative
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Tracking:
-    """The reference's feed-forward torque plus a PD law on attitude and rate errors.
+    """Feed-forward torque of the reference plus a PD law on attitude and rate errors.
 
     With `feedback` zero it flies the plan open loop.
     """
@@ -22,12 +22,12 @@ class Tracking:
     feedback: ProportionalDerivative
 
     def initial(self) -> tuple[()]:
-        """Nothing is remembered."""
+        """This law has no memory."""
         return ()
 
     def __call__(
         self, measured: Measured, memory: tuple[()], period: Scalar
     ) -> tuple[Vector, tuple[()]]:
-        """Torque on the wheels."""
+        """Torque on the wheels in body axes [N m]."""
         correction, memory = self.feedback(measured, memory, period)
         return measured.feedforward + correction, memory

@@ -13,7 +13,7 @@ from jaxatt.attitude.components import Scalar, Vector
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Drag:
-    """What meets the air.
+    """Aerodynamic properties of a body, and of the air around it.
 
     density : () [kg/m^3].  area : () [m^2].  coefficient : (), C_D.
     lever : (3,) [m], centre of pressure from the centre of mass, in body axes.
@@ -33,7 +33,7 @@ class Drag:
         return velocity - spin.cross(position)
 
     def torque(self, air_speed: Vector) -> Vector:
-        """Torque [N m] in body axes.
+        """Torque of drag [N m] in body axes.
 
         air_speed : velocity relative to the air [m/s], in body axes.
         Source: Kristiansen (2023), eqs. (11.11) and (11.12).

@@ -1,4 +1,4 @@
-"""What the orbit brings, tabulated once for all runs of a flight."""
+"""Environment along the orbit, tabulated once for all runs of a flight."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BLOCK = 8192  # instants of one evaluation
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class OrbitTask:
-    """Where the spacecraft is and what is asked of the table.
+    """Orbit, epoch and disturbances from which the environment is tabulated.
 
     elements : at time zero.  mu : [m^3/s^2].  days : epoch of time zero, days since J2000.
     field : coefficients at the epoch, None where no magnetism acts.
@@ -40,7 +40,7 @@ class OrbitTask:
 
 
 class Nodes(NamedTuple):
-    """Frame of reference at the sampling instants.
+    """Attitude and rate of the reference frame, and the magnetic field, at the sampling instants.
 
     attitude : q_io.  rate : omega_io [rad/s] in orbit axes.  field : [T] in inertial axes, or None.
     """
@@ -51,7 +51,7 @@ class Nodes(NamedTuple):
 
 
 def inertial_nodes(count: int) -> Nodes:
-    """Nodes (count,) of a flight without an orbit: the frame of reference is inertial."""
+    """Nodes (count,) of a flight without an orbit, whose reference frame is inertial."""
     zero, one = jnp.zeros(count), jnp.ones(count)
     return Nodes(Quaternion(one, Vector(zero, zero, zero)), Vector(zero, zero, zero), None)
 
@@ -59,7 +59,7 @@ def inertial_nodes(count: int) -> Nodes:
 def evaluate(
     task: OrbitTask, torques: ExternalTorques, tidal: bool, times: Array
 ) -> tuple[Along, Nodes]:
-    """Everything at the given times (n,) [s] after the epoch."""
+    """Evaluate environment and reference frame at the given times (n,) [s] after the epoch."""
     start = kepler.to_state(task.elements, task.mu)
     r_i, v_i = orbit.propagate(*start, times, task.mu)
     radius = jnp.linalg.norm(r_i, axis=-1)
@@ -91,7 +91,7 @@ def evaluate(
 
 
 def _field(model: igrf.MagneticModel, r_i: Array, days: Array) -> Array:
-    """Field (n, 3) [T] in inertial axes."""
+    """Magnetic field (n, 3) [T] in inertial axes."""
     angle = epoch.rotation_angle(days)
     cos, sin, zero = jnp.cos(angle), jnp.sin(angle), jnp.zeros_like(angle)
     x, y, z = r_i.T
@@ -106,7 +106,7 @@ _evaluated = jax.jit(evaluate, static_argnames="tidal")
 def tabulate(
     task: OrbitTask, torques: ExternalTorques, tidal: bool, step: float, steps: int
 ) -> tuple[Along, Nodes]:
-    """Along (steps, 4) at the Runge-Kutta stages, and Nodes (steps + 1,)."""
+    """Tabulate Along (steps, 4) at the Runge-Kutta stages, and Nodes (steps + 1,)."""
     times = 0.5 * step * np.arange(2 * steps + 1)
     padded = np.pad(times, (0, -len(times) % min(_BLOCK, len(times))), mode="edge")
     blocks = [

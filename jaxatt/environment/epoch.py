@@ -1,4 +1,4 @@
-"""Calendar time: days since J2000, decimal years and the turn of the Earth."""
+"""Calendar time: days since J2000, decimal years and the Earth's rotation angle."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ EARTH_RATE = 7.292115146706979e-5
 
 
 def parse(text: str) -> dt.datetime:
-    """A moment such as 2020-03-20T12:00:00Z; without a zone UTC is meant.
+    """Read an instant such as 2020-03-20T12:00:00Z; without a time zone it is taken as UTC.
 
     Raises `ValueError` where the text is no moment.
     """
@@ -24,19 +24,19 @@ def parse(text: str) -> dt.datetime:
 
 
 def days_since_j2000(moment: dt.datetime) -> float:
-    """Days, with UTC taken for UT1 (less than a second apart)."""
+    """Days since J2000, with UTC taken for UT1 (less than a second apart)."""
     return (moment - J2000).total_seconds() / SECONDS_PER_DAY
 
 
 def decimal_year(moment: dt.datetime) -> float:
-    """Year with its fraction gone by."""
+    """Year with the elapsed fraction of it, e.g. 2020.5."""
     first = dt.datetime(moment.year, 1, 1, tzinfo=dt.UTC)
     length = dt.datetime(moment.year + 1, 1, 1, tzinfo=dt.UTC) - first
     return moment.year + (moment - first) / length
 
 
 def rotation_angle(days: jax.Array) -> jax.Array:
-    """Angle of the Earth-fixed axes from the inertial ones [rad]; `days` since J2000, any shape.
+    """Angle [rad] from the inertial to the Earth-fixed axes; `days` since J2000, any shape.
 
     The Earth rotation angle of the IERS conventions (2010), eq. (5.15): no precession, nutation or
     polar motion, whose part is below 0.4 deg for dates within decades of 2000.

@@ -1,4 +1,4 @@
-"""The external torques that act on a flight, summed."""
+"""Sum of the external torques on a spacecraft."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jaxatt.environment.solar_radiation_pressure import SolarPressure
 
 
 class Along(NamedTuple):
-    """What the orbit brings at one instant, vectors in inertial axes; None where nothing needs it.
+    """Environment at one instant, vectors in inertial axes; None where it is not needed.
 
     down : unit vector to the Earth's centre.  gradient : 3 mu / r^3 [1/s^2].
     air_speed : velocity relative to the air [m/s].  sun : unit vector to the sun.
@@ -37,7 +37,10 @@ class Along(NamedTuple):
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ExternalTorques:
-    """Which torques act, None where one does not; the gravity gradient acts where Along has one."""
+    """The disturbing torques that act; None for one that does not.
+
+    The gravity gradient acts wherever `Along` holds one.
+    """
 
     drag: Drag | None = None
     solar_pressure: SolarPressure | None = None
@@ -46,13 +49,13 @@ class ExternalTorques:
 
     @property
     def magnetic(self) -> bool:
-        """Whether the field is needed."""
+        """Whether any of the torques needs the magnetic field."""
         return self.residual_dipole is not None or self.eddy_currents is not None
 
     def total(
         self, q_ib: Quaternion, omega: Vector, along: Along, inertia: Matrix, dipole: Vector | None
     ) -> Vector:
-        """Sum [N m] in body axes.
+        """Sum of the external torques [N m] in body axes.
 
         omega : omega_ib [rad/s].  inertia : [kg m^2].  dipole : [A m^2], of magnetorquers.
         """

@@ -32,7 +32,7 @@ def matrix_io(r_i: ArrayLike, v_i: ArrayLike) -> jax.Array:
 
 
 def quaternion_io(r_i: ArrayLike, v_i: ArrayLike) -> jax.Array:
-    """Attitude (..., 4) of the orbit frame relative to inertial, of the sign with eta >= 0.
+    """Attitude (..., 4) of the orbit frame relative to inertial axes, with eta >= 0.
 
     The sign makes it jump twice a revolution, though the attitude does not.
     """

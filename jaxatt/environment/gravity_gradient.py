@@ -43,7 +43,7 @@ def gravity_gradient_torque(
 
 
 def tidal_torque(down: Vector, gradient: Scalar, inertia: Matrix) -> Vector:
-    """The same torque inside a loop.
+    """The gravity-gradient torque in components, for use inside a loop.
 
     down : the orbit z axis in body axes.  gradient : 3 mu / |r|^3 [1/s^2].  inertia : [kg m^2].
     """

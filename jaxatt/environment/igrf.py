@@ -1,4 +1,4 @@
-"""The Earth's main magnetic field: IGRF-14, evaluated without a pole.
+"""The Earth's main magnetic field by IGRF-14, evaluated without a singularity at the poles.
 
 The recursion runs in Cartesian coordinates (Cunningham), so that the poles are points like any
 others; the coefficients are packaged data, see `data/README.md`.
@@ -30,7 +30,7 @@ _DEGREE = 13
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class MagneticModel:
-    """Coefficients at one date, of degrees and orders 0 to 13 and without normalisation [T].
+    """Spherical-harmonic coefficients [T] at one date, up to degree 13, not normalised.
 
     cosine, sine : (14, 14), index [degree, order].
     """
@@ -41,7 +41,7 @@ class MagneticModel:
 
 @functools.cache
 def _table() -> tuple[Float64, Float64, Float64]:
-    """Epochs (E,) and coefficients g and h of all epochs, (14, 14, E) [nT]."""
+    """Read the epochs (E,) and the coefficients g and h of all epochs, (14, 14, E) [nT]."""
     path = resources.files("jaxatt.environment") / "data" / "igrf14.shc"
     lines = [x for x in path.read_text(encoding="ascii").splitlines() if not x.startswith("#")]
     years = np.array(lines[1].split(), float)
@@ -54,7 +54,7 @@ def _table() -> tuple[Float64, Float64, Float64]:
 
 
 def at_year(year: float) -> MagneticModel:
-    """Model of a decimal year, linear between the epochs five years apart.
+    """Coefficients at a decimal year, interpolated linearly between epochs five years apart.
 
     Raises `ValueError` where the model has no coefficients.
     """
@@ -76,7 +76,7 @@ def at_year(year: float) -> MagneticModel:
 
 
 def _schmidt_factors() -> Float64:
-    """Factor from Schmidt semi-normalised to plain Legendre functions, (14, 14)."""
+    """Factors from Schmidt semi-normalised to plain Legendre functions, (14, 14)."""
     factors = np.zeros((_DEGREE + 1, _DEGREE + 1))
     for n in range(_DEGREE + 1):
         for m in range(n + 1):

@@ -1,4 +1,4 @@
-"""Keplerian elements of an elliptic orbit, to and from position and velocity."""
+"""Conversion between Keplerian elements of an elliptic orbit and position with velocity."""
 
 import math
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from jaxatt.environment.orbit import MU_EARTH
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class KeplerianElements:
-    """Classical elements, each of shape (...) in SI units and radians.
+    """Classical orbital elements, each of shape (...), in SI units and radians.
 
     Attributes
     ----------

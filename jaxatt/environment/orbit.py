@@ -41,7 +41,7 @@ def mean_motion(semi_major_axis: ArrayLike, mu: ArrayLike = MU_EARTH) -> jax.Arr
 def propagate(
     r_i: ArrayLike, v_i: ArrayLike, dt: ArrayLike, mu: ArrayLike = MU_EARTH
 ) -> tuple[jax.Array, jax.Array]:
-    """Move along an elliptic orbit by a time of either sign.
+    """Propagate position and velocity along an elliptic orbit by a time of either sign.
 
     Kepler's equation is solved for the change of eccentric anomaly x,
     x - (e cos E0) sin x + (e sin E0) (1 - cos x) = n dt, which needs no perigee and so holds for
@@ -85,7 +85,7 @@ def propagate(
 def _kepler_residual(
     x: jax.Array, mean: jax.Array, e_cos: jax.Array, e_sin: jax.Array
 ) -> tuple[jax.Array, jax.Array]:
-    """Residual of Kepler's equation in the change of eccentric anomaly, with its slope r/a."""
+    """Residual of Kepler's equation in the change of eccentric anomaly, and its derivative r/a."""
     residual = x - e_cos * jnp.sin(x) + e_sin * 2 * jnp.sin(x / 2) ** 2 - mean
     slope = 1 - e_cos * jnp.cos(x) + e_sin * jnp.sin(x)
     return residual, slope

@@ -1,4 +1,4 @@
-"""Torque of the spacecraft's own magnetism in the field of the Earth."""
+"""Torque of the spacecraft's residual magnetic dipole in the Earth's field."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from jaxatt.attitude.components import Vector
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ResidualDipole:
-    """dipole : (3,) [A m^2], in body axes."""
+    """Residual magnetic dipole of a body.
+
+    dipole : (3,) [A m^2], in body axes.
+    """
 
     dipole: Array
 

@@ -1,4 +1,4 @@
-"""A sinusoidal torque that stands for unmodelled disturbances."""
+"""A sinusoidal torque that represents unmodelled disturbances."""
 
 import jax
 import jax.numpy as jnp

@@ -13,7 +13,7 @@ from jaxatt.attitude.components import Scalar, Vector
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SolarPressure:
-    """What meets the light.
+    """Optical properties of a body, and of the light on it.
 
     irradiance : () [W/m^2].  light_speed : () [m/s].  area : () [m^2].  reflectance : ().
     lever : (3,) [m], centre of pressure from the centre of mass, in body axes.
@@ -26,7 +26,7 @@ class SolarPressure:
     light_speed: Array | float = 299792458.0
 
     def torque(self, sun: Vector, light: Scalar) -> Vector:
-        """Torque [N m] in body axes; the face always meets the light squarely.
+        """Torque [N m] in body axes; the illuminated face is always normal to the light.
 
         sun : unit vector towards the sun, in body axes.  light : fraction of the sun's disk seen.
         Source: Kristiansen (2023), eqs. (11.14) and (11.15), where the force points along the

@@ -1,4 +1,4 @@
-"""Direction of the sun, and how much of it the Earth hides."""
+"""Direction of the sun, and the fraction of its disk that the Earth hides."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def sun_direction(days: jax.Array) -> jax.Array:
 
 
 def visible_fraction(r_i: jax.Array, sun: jax.Array) -> jax.Array:
-    """Fraction (...) of the sun's disk that a spherical Earth leaves free.
+    """Fraction (...) of the sun's disk that is not hidden by a spherical Earth.
 
     r_i : (..., 3) [m], position.  sun : (..., 3), unit vector to the sun.
     Source: Montenbruck and Gill (2000), *Satellite Orbits*, section 3.4.2.

@@ -21,7 +21,7 @@ _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
 
 
 class Environment(NamedTuple):
-    """Environment at one instant, or at many with leading axes.
+    """Orbit frame and disturbances at one instant, or at many with leading axes.
 
     orbit_rate : (..., 3) [rad/s], omega_io in orbit axes.
     orbit_attitude : (..., 4), q_io, of either sign.
@@ -38,7 +38,7 @@ class Environment(NamedTuple):
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class EnvironmentTable:
-    """Environment of N intervals of S Runge-Kutta substeps each.
+    """Environment at the Runge-Kutta stages of N intervals of S substeps each.
 
     stages : Environment with leading axes (N, S, 4), the four stage times of every substep.
     nodes : Environment with leading axis (N + 1,).
@@ -53,7 +53,7 @@ class EnvironmentTable:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Surroundings:
-    """Orbit and known disturbances.
+    """Orbit and known disturbances of a manoeuvre.
 
     elements : Keplerian elements at time zero; None where attitudes refer to the inertial frame,
         which then stands for the orbit frame.  mu : () [m^3/s^2].
@@ -90,7 +90,7 @@ _on_grid = jax.jit(environment_at, compiler_options=RUNS_ONCE)
 
 
 def _without_jumps(q: np.ndarray) -> np.ndarray:
-    """Quaternions (n, 4) along a motion with their signs made to follow each other."""
+    """Quaternions (n, 4) along a motion, with signs chosen so that they are continuous."""
     same = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
     return q * np.concatenate([[1.0], np.cumprod(same)])[:, None]
 
@@ -98,7 +98,7 @@ def _without_jumps(q: np.ndarray) -> np.ndarray:
 def tabulate(
     surroundings: Surroundings, start: float, step: float, intervals: int, substeps: int
 ) -> EnvironmentTable:
-    """Tabulate the environment of a roll-out; q_io has no jumps of sign along it.
+    """Tabulate the environment of a roll-out, with the sign of q_io continuous along it.
 
     start : [s] time of the first node.  step : [s] length of one of the `intervals`.
     """
@@ -132,7 +132,7 @@ def refined(table: EnvironmentTable) -> EnvironmentTable:
 
 
 def coarsen(table: EnvironmentTable, intervals: int, substeps: int) -> EnvironmentTable:
-    """The first `intervals` of a table at fewer `substeps`, a divisor of those it has."""
+    """The first `intervals` of a table with fewer `substeps`, which must divide its own."""
     ratio = table.stages.gradient.shape[1] // substeps
 
     def pick(leaf: Array) -> np.ndarray:

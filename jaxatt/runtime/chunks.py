@@ -1,4 +1,4 @@
-"""Chunks of one size, so that a batch of any length compiles once, on all cores at once."""
+"""Split a batch of any length into chunks of one compiled size, and run them on all cores."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ Report = Callable[[str, int], None]
 
 
 def cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def workers() -> int:
-    """Chunks that run side by side.
+    """Number of chunks that run side by side.
 
     One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime.settings`.
     """
@@ -39,7 +39,7 @@ def workers() -> int:
 
 
 def chunk_for(count: int) -> int:
-    """Rows a chunk for a batch of `count`: a power of two, so few that every core has some."""
+    """Chunk size for a batch of `count`: a power of two, small enough to use every core."""
     most = CHUNK if jax.default_backend() == "cpu" else ACCELERATOR_CHUNK
     share = -(-count // workers())
     return min(most, max(8, 1 << (share - 1).bit_length()))
@@ -69,7 +69,7 @@ def _pool(count: int) -> ThreadPoolExecutor:
 
 
 def pool() -> ThreadPoolExecutor:
-    """Threads for as many chunks as run side by side."""
+    """Thread pool with one thread for each chunk that runs side by side."""
     return _pool(workers())
 
 
@@ -77,7 +77,7 @@ _compiled: set[Hashable] = set()
 
 
 def first_time(key: Hashable, rows: int) -> bool:
-    """Whether nothing has run under a key with this many rows, which is noted; None is new."""
+    """Whether this key and number of rows run for the first time; None always counts as new."""
     new = key is None or (key, rows) not in _compiled
     _compiled.add((key, rows))
     return new
@@ -91,7 +91,7 @@ def in_chunks(
     key: Hashable = None,
     together: bool = True,
 ) -> Any:
-    """`run` on all rows of a batch, chunk by chunk, and its results gathered on the host.
+    """Apply `run` to all rows of a batch, chunk by chunk, and gather the results on the host.
 
     run : from a pytree with leading axis `rows` to another; compiled, so that it leaves the
     interpreter free while it works: chunks run side by side, one a core.

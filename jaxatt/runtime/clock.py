@@ -1,4 +1,4 @@
-"""Time that tracing and compiling take, as JAX itself reports it.
+"""Wall-clock time spent on tracing and compiling, as JAX reports it.
 
 Programs compile side by side, and what JAX reports of one contains what it reports of another, so
 what counts is the time in which at least one was at work.
@@ -27,7 +27,7 @@ def _register() -> None:
 
 
 def covered(spans: list[tuple[float, float]]) -> float:
-    """Length of the union of intervals (begin, end)."""
+    """Total length of the union of intervals (begin, end)."""
     total, reach = 0.0, float("-inf")
     for begin, end in sorted(spans):
         total += max(0.0, end - max(begin, reach))

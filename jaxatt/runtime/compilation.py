@@ -1,4 +1,4 @@
-"""Large programs: compiled ahead, side by side, and traced once for all processes.
+"""Compile large programs ahead and in parallel, and keep their traces between processes.
 
 XLA leaves the interpreter free while it compiles, so what a search is going to need can be traced
 here, one program after another, while other threads compile.  JAX's persistent cache spares the
@@ -32,7 +32,7 @@ Run = Callable[..., Any]
 
 
 class Routine:
-    """`jax.jit` of a function, that can be compiled ahead and kept; not to be differentiated.
+    """A `jax.jit` function that can be compiled ahead and kept on disk; not differentiable.
 
     statics : how many of the first arguments are compiled in.  Where each of them is a number or
         a string, or has a `label` that is not None, programs can be kept; the label must be the
@@ -50,7 +50,7 @@ class Routine:
         )
 
     def __call__(self, *args: Any) -> Any:
-        """The function's value; waits for a compilation that has begun for such arguments."""
+        """Call the function; wait first for a compilation that has begun for such arguments."""
         kept = bool(_folder()) and self._kept
         if not self._begun and not kept:
             return self._jitted(*args)
@@ -73,7 +73,7 @@ class Routine:
         return run(*args)
 
     def begin(self, pool: Executor, *args: Any) -> None:
-        """Trace for arguments like these, unless that is kept, and compile in a thread of `pool`.
+        """Trace for such arguments, unless that is kept, and compile in a thread of `pool`.
 
         What goes wrong in the thread is raised by the call that needs the program.
         """
@@ -83,13 +83,13 @@ class Routine:
             self._begun[key] = pool.submit(_compile, lower(), run)
 
     def _key(self, args: tuple[Any, ...]) -> Hashable:
-        """What tells programs apart within a process; in microseconds, for every call asks."""
+        """Key of a program within this process; fast, because every call computes it."""
         leaves, tree = jax.tree.flatten(args[self._statics :])
         types = [(getattr(x, "shape", ()), getattr(x, "dtype", type(x))) for x in leaves]
         return (*args[: self._statics], tree, *types)
 
     def _program(self, args: tuple[Any, ...]) -> tuple[Run, Callable[[], Lowered]]:
-        """What runs for arguments like these, and what lowers it."""
+        """The compiled program for such arguments, and the function that lowers it."""
         file = self._file(args)
         found = None if file is None else _read(file) or self._export(file, args)
         if found is None:
@@ -106,7 +106,7 @@ class Routine:
         return run, lambda: flat.lower(*leaves(args))
 
     def _file(self, args: tuple[Any, ...]) -> Path | None:
-        """Where the program for such arguments is kept; None if it is not."""
+        """File in which the program for such arguments is kept; None if it is not kept."""
         folder = _folder()
         labels = [
             x if isinstance(x, (bool, int, str)) else getattr(x, "label", None)
@@ -121,7 +121,7 @@ class Routine:
         return Path(folder) / _FOLDER / hashlib.sha256(asked.encode()).hexdigest()
 
     def _export(self, file: Path, args: tuple[Any, ...]) -> tuple[export.Exported, Any] | None:
-        """The traced program and the structure of its results, written to a file."""
+        """Trace the program and write it to a file, with the structure of its results."""
         leaves, tree = jax.tree.flatten(args[self._statics :])
         structure = None
 
@@ -152,7 +152,7 @@ def _compile(lowered: Lowered, run: Run) -> Run:
 
 
 def _read(file: Path) -> tuple[export.Exported, Any] | None:
-    """A kept program; None where there is none, or none that can be read."""
+    """Read a kept program; None where there is none, or none that can be read."""
     if not file.exists():
         return None
     try:
@@ -169,7 +169,7 @@ def _folder() -> str | None:
 
 
 def _circumstances() -> str:
-    """What tracing depends on besides what was asked for: the code, JAX and its settings."""
+    """Text of everything else that tracing depends on: the code, JAX and its settings."""
     passing = ("cache", "log")
     settings = {
         name: value
@@ -181,7 +181,7 @@ def _circumstances() -> str:
 
 @functools.cache
 def _code() -> str:
-    """Digest of the whole package."""
+    """Digest of the package's source."""
     code = hashlib.sha256()
     for source in sorted(Path(__file__).parents[1].rglob("*.py")):
         code.update(source.read_bytes())

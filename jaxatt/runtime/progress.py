@@ -1,4 +1,4 @@
-"""How far a solve has come, shown on the standard error stream."""
+"""Progress of a solve, shown on the standard error stream."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Settings of JAX for a process of one's own; `import jaxatt` changes none of them."""
+"""Settings of JAX for a whole process; `import jaxatt` changes none of them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ RUNS_ONCE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters":
 
 
 def configure(*, cache: str | Path | None = None) -> None:
-    """Double precision, all cores, XLA's options for small loops and, on request, a compile cache.
+    """Set double precision, all cores, XLA's options for small loops and, if asked, a compile
+    cache.
 
     Call it before the first computation: XLA reads its options once.  Options that the
     environment variable XLA_FLAGS already sets stay as they are.

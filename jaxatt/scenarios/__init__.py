@@ -1,4 +1,4 @@
-"""Scenarios: one TOML file for each published case, and the loader that checks them."""
+"""Scenarios: TOML files of the published cases, and the loader that checks them."""
 
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask, window_weights
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint

@@ -1,4 +1,4 @@
-"""The TOML files that come with the package, by what they describe."""
+"""TOML files that come with the package, grouped by kind."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def names(kind: str = "manoeuvre") -> tuple[str, ...]:
 
 
 def kind_of(name: str) -> str | None:
-    """Return the kind of a bundled scenario; None where there is none of this name."""
+    """Return the kind of a bundled scenario, or None for an unknown name."""
     return next((kind for kind in KINDS if name in names(kind)), None)
 
 
@@ -48,7 +48,7 @@ def text(name: str) -> str:
 
 
 def suggestion(name: str, *kinds: str) -> str:
-    """What there is instead of a name that is not among the bundled ones of these kinds."""
+    """Sentence that suggests a bundled name close to an unknown one."""
     known = [each for kind in kinds for each in names(kind)]
     near = nearest(name, known)
     hint = f"did you mean '{near}'? " if near else ""

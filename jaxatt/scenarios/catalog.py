@@ -1,4 +1,4 @@
-"""Scenarios by their bundled name or from a file."""
+"""Load a scenario by its bundled name or from a file."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxatt.scenarios.loader import from_mapping, load_file
 
 
 def load(name_or_path: str | Path) -> Scenario:
-    """Return a bundled manoeuvre by name, or the one in a TOML file.
+    """Return the bundled manoeuvre of this name, or the one in a TOML file.
 
     A bundled name comes first; write ``./NAME`` for a file that is called the same.
 
@@ -33,7 +33,7 @@ def load(name_or_path: str | Path) -> Scenario:
 
 
 def load_flight(name_or_path: str | Path) -> FlightScenario:
-    """Return a bundled flight by name, or the one in a TOML file; as `load`."""
+    """Return the bundled flight of this name, or the one in a TOML file; as `load`."""
     wanted = str(name_or_path)
     if wanted in names("flight"):
         origin = f"{wanted}.toml"

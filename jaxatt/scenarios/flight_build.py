@@ -1,4 +1,4 @@
-"""From a flight's file to the arrays that the simulator takes."""
+"""Build the simulator's arrays from a checked flight."""
 
 from __future__ import annotations
 
@@ -22,8 +22,11 @@ from jaxatt.spacecraft.checks import Float64
 
 
 class Plan(NamedTuple):
-    """An optimised manoeuvre at the samples that it covers: q_ob (K, 4), omega_ob (K, 3) [rad/s],
-    torque on the wheels in body axes (K, 3) [N m]; after its end the last attitude is held."""
+    """Optimised manoeuvre at the sampling instants, for a law to track.
+
+    q_ob : (K, 4).  omega_ob : (K, 3) [rad/s].  torque : (K, 3) [N m], on the wheels in body axes.
+    After its end the last attitude is held.
+    """
 
     q_ob: Float64
     omega_ob: Float64
@@ -31,7 +34,7 @@ class Plan(NamedTuple):
 
 
 def build_flight(scenario: FlightScenario, plan: Plan | None = None) -> tuple[Flight, Start]:
-    """The shared part of all runs, and the nominal start."""
+    """Build the data that all runs share, and the nominal initial state."""
     timing = scenario.timing
     samples, steps = timing.samples, timing.steps
     along, nodes = _surroundings(scenario, samples * steps, steps)
@@ -66,7 +69,7 @@ def _but_last(tree: Any) -> Any:
 
 
 def _surroundings(scenario: FlightScenario, count: int, steps: int) -> tuple[Along, Nodes]:
-    """Along (count, 4) of the Runge-Kutta steps, and nodes of the samples and of the end."""
+    """Environment (count, 4) of the Runge-Kutta steps, and nodes of the samples and of the end."""
     around, step = scenario.surroundings, scenario.timing.step
     if around.orbit is None:
         half = 0.5 * step * (2 * np.arange(count)[:, None] + np.array([0, 1, 1, 2]))

@@ -1,4 +1,4 @@
-"""The laws of a flight's file."""
+"""Read the feedback laws of a flight's file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from jaxatt.spacecraft import Spacecraft
 
 
 def read_law(data: Any, origin: str, name: str, vehicle: Spacecraft) -> tuple[FeedbackLaw, str]:
-    """The checked law of a [laws.NAME] table and its title; gains are in units of J_s."""
+    """Read and check the law of a [laws.NAME] table, and its title; gains are in units of J_s."""
     label = f"[laws.{name}]"
     every = tuple(dict.fromkeys(key for keys in LAW_KEYS.values() for key in keys))
     table = Table(data, origin, label, ("kind", "title", *every))

@@ -1,4 +1,4 @@
-"""From a TOML document to a checked flight."""
+"""Load a checked flight from a TOML document."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jaxatt.scenarios.loader import assign, plain_values
 
 
 def load_flight_file(path: str | Path) -> FlightScenario:
-    """The checked flight of a TOML file; raises `ScenarioError`."""
+    """Load and check the flight of a TOML file; raises `ScenarioError`."""
     path = Path(path)
     return flight_from_mapping(read_file(path), origin=str(path), folder=path.parent)
 
@@ -27,7 +27,7 @@ def load_flight_file(path: str | Path) -> FlightScenario:
 def flight_from_mapping(
     document: Mapping[str, Any], *, origin: str = "flight", folder: Path | None = None
 ) -> FlightScenario:
-    """The checked flight of a document with the names and units of a flight's file."""
+    """Check a document that has the names and units of a flight's file."""
     data = plain_values(document)
     top = Table(data, origin, "", ("name", "title", "source", *FLIGHT_TABLES))
     for key in ("vehicle", "initial", "simulation", "laws"):
@@ -91,7 +91,7 @@ def flight_from_mapping(
 
 
 def replace_in_flight(flight: FlightScenario, changes: Mapping[str, Any]) -> FlightScenario:
-    """A changed flight, checked like a file; names as in `jaxatt.scenarios.replace`."""
+    """Return a changed flight, checked like a file; names as in `jaxatt.scenarios.replace`."""
     document = copy.deepcopy(dict(flight.document))
     for path, value in changes.items():
         assign(document, path, plain_values(value))

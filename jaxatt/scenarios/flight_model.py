@@ -1,4 +1,4 @@
-"""What a closed-loop flight says, in SI units and radians."""
+"""A closed-loop flight as checked data, in SI units and radians."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from jaxatt.spacecraft.checks import Float64
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """Orbit, epoch and torques.
+    """Orbit, epoch and disturbing torques of a flight.
 
     orbit : None where the frame of reference is inertial.  epoch : UTC, None where nothing asks.
     sun : (3,), fixed direction of an always shining sun, or None for the true one.
@@ -37,7 +37,7 @@ class Surroundings:
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What the laws follow from `since` [s] on; the start's attitude, at rest, before.
+    """Reference that the laws follow from `since` [s] on; before, the start's attitude at rest.
 
     q_ob : (4,).  omega_ob : (3,) [rad/s], in body axes; the attitude turns along with it.
     held : whether the attitude is to be held, or only the rate.
@@ -53,7 +53,7 @@ class Asked:
 
 @dataclass(frozen=True)
 class Timing:
-    """Seconds: duration, sampling period with zero-order hold, Runge-Kutta step; records."""
+    """Duration, sampling period (zero-order hold), Runge-Kutta step [s], and number of records."""
 
     duration: float
     sampling: float
@@ -63,18 +63,18 @@ class Timing:
 
     @property
     def samples(self) -> int:
-        """Number of samples."""
+        """Number of sampling instants."""
         return round(self.duration / self.sampling)
 
     @property
     def steps(self) -> int:
-        """Runge-Kutta steps a sample."""
+        """Number of Runge-Kutta steps a sample."""
         return round(self.sampling / self.step)
 
 
 @dataclass(frozen=True, eq=False)
 class FlightScenario:
-    """One closed-loop case with the laws that fly it.
+    """A closed-loop case with the laws that fly it.
 
     signal : "attitude" or "rate", what must settle; band : its width [rad] or [rad/s]; since : [s].
     noise : deviations of rate and wheel speed [rad/s].

@@ -1,4 +1,4 @@
-"""The names that a flight's file may hold."""
+"""Tables and keys that are allowed in a flight's file."""
 
 from __future__ import annotations
 

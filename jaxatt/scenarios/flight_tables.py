@@ -1,4 +1,4 @@
-"""The tables of a flight's file, one by one."""
+"""Read the tables of a flight's file, one function each."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _WHOLE = 1e-6
 
 
 def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surroundings:
-    """Which torques act; all but the sine need an orbit, the magnetic ones an epoch too."""
+    """Read which torques act; all but the sine need an orbit, the magnetic ones an epoch too."""
     table = Table(data, origin, "[environment]", FLIGHT_TABLES["environment"])
     if orbit is None:
         for key in table.data:
@@ -97,7 +97,7 @@ def _epoch(table: Table) -> Any:
 
 
 def read_reference(data: Any, origin: str, initial: InitialState, notes: list[str]) -> Asked:
-    """What the laws follow."""
+    """Read the reference that the laws follow."""
     table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
     manoeuvre = table.text("manoeuvre", " ").strip()
     given = attitude_given(table)
@@ -113,7 +113,7 @@ def read_reference(data: Any, origin: str, initial: InitialState, notes: list[st
 
 
 def read_timing(data: Any, origin: str) -> Timing:
-    """Duration, sampling and step, each a whole number of the next."""
+    """Read duration, sampling period and step, each a whole multiple of the next."""
     table = Table(data, origin, "[simulation]", FLIGHT_TABLES["simulation"])
     table.choice("hold", ("zero-order",), "zero-order")
     duration = table.number("duration_s", above=0.0, example="400.0")
@@ -139,7 +139,7 @@ def read_timing(data: Any, origin: str) -> Timing:
 
 
 def read_settling(data: Any, origin: str, since: float) -> tuple[str, float, float]:
-    """Signal, band and since when."""
+    """Read the watched signal, the width of its band, and the instant from which it counts."""
     table = Table(data, origin, "[settling]", FLIGHT_TABLES["settling"])
     signal = table.choice("signal", ("attitude", "rate"), "attitude")
     wrong, right = (
@@ -155,7 +155,7 @@ def read_settling(data: Any, origin: str, since: float) -> tuple[str, float, flo
 
 
 def read_noise(data: Any, origin: str) -> tuple[float, float]:
-    """Deviations of measured rate and wheel speed [rad/s]."""
+    """Read the standard deviations of measured rate and wheel speed [rad/s]."""
     table = Table(data, origin, "[noise]", FLIGHT_TABLES["noise"])
     return (
         table.number("rate_rad_s", 0.0, at_least=0.0),
@@ -166,7 +166,7 @@ def read_noise(data: Any, origin: str) -> tuple[float, float]:
 def read_dumping(
     data: Any, origin: str, vehicle: Spacecraft, around: Surroundings
 ) -> MomentumDumping:
-    """The dumping law; it needs magnetorquers, an orbit and an epoch."""
+    """Read the unloading law; it needs magnetorquers, an orbit and an epoch."""
     table = Table(data, origin, "[dumping]", FLIGHT_TABLES["dumping"])
     if vehicle.magnetorquers is None:
         table.fail(
@@ -189,7 +189,7 @@ def read_dumping(
 
 
 def read_campaign(data: Any, origin: str) -> tuple[Spread, int, int]:
-    """Spread, runs and seed."""
+    """Read the spread, the number of runs and the seed."""
     table = Table(data, origin, "[campaign]", FLIGHT_TABLES["campaign"])
     spread = Spread(
         math.radians(table.number("attitude_deg", 0.0, at_least=0.0)),

@@ -1,4 +1,4 @@
-"""From a TOML document to a checked scenario."""
+"""Load a checked scenario from a TOML document."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jaxatt.problems.scenario import SPACECRAFT, Scenario
 
 
 def load_file(path: str | Path) -> Scenario:
-    """Return the checked scenario of a TOML file.
+    """Load and check the scenario of a TOML file.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def load_file(path: str | Path) -> Scenario:
 def from_mapping(
     document: Mapping[str, Any], *, origin: str = "scenario", folder: Path | None = None
 ) -> Scenario:
-    """Return the checked scenario of a document with the names and units of a scenario file.
+    """Check a document that has the names and units of a scenario file.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def assign(document: dict[str, Any], path: str, value: Any) -> None:
 
 
 def plain_values(value: Any) -> Any:
-    """Return dicts, lists and Python numbers for mappings, tuples and arrays."""
+    """Convert mappings, tuples and arrays to dicts, lists and Python numbers."""
     if isinstance(value, Mapping):
         return {str(key): plain_values(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -1,4 +1,4 @@
-"""Many runs of one flight: drawn, flown in chunks, gathered."""
+"""Campaigns: many runs of one flight with random deviations, flown in chunks."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from jaxatt.spacecraft.wheels import ReactionWheels
 
 @dataclass(frozen=True)
 class Spread:
-    """Standard deviations of what differs from run to run; all zero flies the nominal case.
+    """Standard deviations of the random deviations between runs; all zero flies the nominal case.
 
     attitude : [rad], of each component of a rotation away from the start.
     rate : [rad/s], of each component of omega_ib at the start.
@@ -39,7 +39,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Start:
-    """Where the nominal run begins: q_ob (4,), omega_ob (3,) [rad/s], omega_bw (n,) [rad/s]."""
+    """Initial state of the nominal run: q_ob (4,), omega_ob (3,) [rad/s], omega_bw (n,) [rad/s]."""
 
     q_ob: Any
     omega_ob: Any
@@ -72,7 +72,9 @@ _each_law = jax.jit(jax.vmap(_run, in_axes=(None, None, None, 0, None)))
 
 
 def fly_laws(flight: Flight, start: Start, laws: FeedbackLaw) -> Flown:
-    """The nominal run under each of many laws of one kind: a law whose leaves lead with an axis."""
+    """Fly the nominal run under many laws of one kind, given as a law whose leaves lead with an
+    axis.
+    """
     begin = tuple(jnp.asarray(v) for v in (start.q_ob, start.omega_ob, start.omega_bw))
     data, shared = jax.random.key_data(jax.random.key(0)), jax.device_put(flight)
     count = len(jax.tree.leaves(laws)[0])
@@ -83,7 +85,7 @@ def fly_laws(flight: Flight, start: Start, laws: FeedbackLaw) -> Flown:
 
 
 def _other_inertia(key: Array, inertia: Array, size: Array) -> Array:
-    """An inertia that a body can have: its second moments of mass, stretched."""
+    """Draw a physical inertia near the nominal one by scaling its second moments of mass."""
     moments = 0.5 * jnp.trace(inertia) * jnp.eye(3) - inertia
     drawn = jax.random.normal(key, (3, 3))
     stretch = jnp.eye(3) + 0.5 * size * 0.5 * (drawn + drawn.T)
@@ -111,7 +113,7 @@ def fly_runs(
     spread: Spread | None = None,
     progress: Progress | None = None,
 ) -> Flown:
-    """Fly `runs` runs; run i depends on the seed and on i only.
+    """Fly `runs` runs of a flight; run i depends on the seed and on i only.
 
     spread : None flies the nominal case in every run, with noise of its own.
     progress : called by the host with the number of runs that have just ended.

@@ -1,4 +1,4 @@
-"""Flight under a sampled feedback law, written for thousands of runs at once.
+"""Flight under a sampled feedback law, efficient for thousands of runs at once.
 
 One run is written in scalars; `jax.vmap` maps it over a batch.  Torques are computed at the
 sampling instants and held; the body moves by Runge-Kutta steps in between.
@@ -48,7 +48,7 @@ __all__ = [
 def fly(
     flight: Flight, craft: Spacecraft, start: AttitudeState, law: FeedbackLaw, key: Array
 ) -> Flown:
-    """One run.
+    """Fly one run of a flight.
 
     craft : the vehicle as it is, which may differ from the nominal one.
     start : q_ob, omega_ib, omega_bw at time zero.  law : its gains.  key : of the noise.
@@ -88,7 +88,7 @@ def _sample(
     inputs: tuple[Along, Nodes, Reference],
     drawn: Array | None,
 ) -> RunState:
-    """One sampling instant and the period after it."""
+    """Advance a run by one sampling period: measure, compute the torque, hold it."""
     along, nodes, reference = inputs
     motion, period, band = state.motion, jnp.asarray(flight.period), _band(flight)
     time = state.sample * period
@@ -118,7 +118,9 @@ def _sample(
 
 
 def _row(flight: Flight, body: WheeledBody, state: RunState, end: tuple[Nodes, Reference]) -> Array:
-    """A record: the fields of `Recorded` one after the other, then the watched errors (4,)."""
+    """One record of a run as a row: the fields of `Recorded` in order, then the watched errors
+    (4,).
+    """
     errors = measure(state.motion, *end)
     row = (
         *(errors.q_ob.eta, *errors.q_ob.eps.parts),
@@ -134,7 +136,7 @@ def _row(flight: Flight, body: WheeledBody, state: RunState, end: tuple[Nodes, R
 
 
 def _signal(flight: Flight, errors: Errors) -> tuple[Scalar, ...]:
-    """The four errors that `Flight.band` watches.
+    """Errors on x, y, z and in total that `Flight.band` watches for settling.
 
     Of attitudes the sines of half the angles: the loop then needs no inverse functions.
     """
@@ -143,12 +145,12 @@ def _signal(flight: Flight, errors: Errors) -> tuple[Scalar, ...]:
 
 
 def _band(flight: Flight) -> Band:
-    """The band of `_signal`."""
+    """The settling band in the terms of `_signal`."""
     if flight.signal == "attitude":
         return Band(jnp.sin(0.5 * flight.band.width), flight.band.since)
     return flight.band
 
 
 def _angle(sine: Array) -> Array:
-    """Angle [rad] of the sine of its half."""
+    """Angle [rad] from the sine of half of it."""
     return 2.0 * jnp.arcsin(jnp.clip(sine, -1.0, 1.0))

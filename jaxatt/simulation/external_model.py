@@ -1,4 +1,4 @@
-"""Roll-out of a rigid body on which thrusters act, in the momentum states of its own axes.
+"""Roll-out of a rigid body with thrusters, with the total momentum in body axes as a state.
 
 Thrusters change the total momentum, so it is carried along, in body axes: h' = h x w + t with the
 external torque t, and J_s w' = h' less the torque on the wheels.  Ten states, one cross product.
@@ -34,7 +34,7 @@ def derivative(
     body: BodyParameters,
     disturbed: bool,
 ) -> Components:
-    """Right-hand side.
+    """Time derivative of the ten states.
 
     state : q_ib (4), omega_ib (3) [rad/s] and the total momentum (3) [N m s], both in body axes.
     torque : six scalars [N m] in body axes, torque on the wheels, then torque of the thrusters.
@@ -58,7 +58,7 @@ def rollout(
     body: BodyParameters,
     disturbed: bool,
 ) -> tuple[Components, Array]:
-    """Fly piecewise constant torques with fixed-step RK4.
+    """Simulate piecewise constant torques with fixed-step RK4.
 
     start : ten scalars, see `derivative`.  torque : (N, 6) [N m], on the wheels, then of the
     thrusters, in body axes.  Returns the state at the last node, ten scalars, and at nodes 1 to N,

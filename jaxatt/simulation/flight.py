@@ -1,4 +1,4 @@
-"""Closed- or open-loop flight of the full model, wheel speeds included, with fine RK4 steps.
+"""Simulation of the full model, wheel speeds included, open or closed loop, with fine RK4 steps.
 
 This is the judge of every answer: it shares no code with the roll-out that the optimiser uses.
 """
@@ -33,7 +33,7 @@ or of the wheels alone, (n,)."""
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Trajectory:
-    """A flight sampled at its nodes.
+    """States and mean torques of a flight at its nodes.
 
     q_ob : (..., nodes, 4).  omega_ob : (..., nodes, 3) [rad/s], relative to the orbit frame.
     omega_bw : (..., nodes, n) [rad/s].  omega_ib : (..., nodes, 3) [rad/s].
@@ -62,7 +62,7 @@ def advance(
     stages: Environment,
     h: Array,
 ) -> tuple[AttitudeState, Array]:
-    """State after one RK4 step of h [s] and the mean torque (n + m,) [N m] in it.
+    """Advance the state by one RK4 step of h [s]; also return the mean torque (n + m,) [N m] in it.
 
     stages : the environment at the four stage times, leading axis 4.
     """
@@ -91,7 +91,9 @@ def _interval(
     stages: Environment,
     h: Array,
 ) -> tuple[AttitudeState, Array]:
-    """State after one interval, `stages` with leading axes (S, 4), and the mean torque in it."""
+    """Advance the state by one interval, whose `stages` lead with (S, 4); also return its mean
+    torque.
+    """
 
     def substep(
         carry: tuple[AttitudeState, Array], along: Environment
@@ -111,7 +113,7 @@ def trajectory(
     torque: Array,
     table: EnvironmentTable,
 ) -> Trajectory:
-    """A flight from its start, the states at all later nodes and the mean torques (K, n + m)."""
+    """Assemble a trajectory from the start, the later states and the mean torques (K, n + m)."""
     nodes = jax.tree.map(lambda first, rest: jnp.concatenate([first[None], rest]), start, states)
     omega_ob = dynamics.relative_rate(nodes, table.nodes)
     count = craft.wheels.count
@@ -121,7 +123,7 @@ def trajectory(
 
 
 def at_nodes(fine: Trajectory, every: int) -> Trajectory:
-    """Flights (S, ...) sampled at every so many of their steps, which they keep beside."""
+    """Sample flights (S, ...) at every so many of their steps, and keep all steps as `fine`."""
 
     def mean(torque: Array) -> Array:
         *lanes, steps, size = torque.shape
@@ -139,7 +141,7 @@ def at_nodes(fine: Trajectory, every: int) -> Trajectory:
 
 
 def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTable) -> Trajectory:
-    """Fly a control law through all intervals of `table`, feedback evaluated at every stage."""
+    """Simulate a control law through all intervals of `table`, with feedback at every RK4 stage."""
 
     def step(
         state: AttitudeState, inputs: tuple[Array, Environment]
@@ -158,7 +160,7 @@ def fly(craft: Spacecraft, start: AttitudeState, law: Law, table: EnvironmentTab
 def fly_held(
     craft: Spacecraft, start: AttitudeState, law: Hold, memory: Any, table: EnvironmentTable
 ) -> Trajectory:
-    """Fly a law that looks once an interval, holds its torques and remembers, from a `memory`."""
+    """Simulate a law that is evaluated once an interval and held; `memory` is passed on."""
 
     def step(
         carry: tuple[AttitudeState, Any], inputs: tuple[Array, Environment]
@@ -185,7 +187,7 @@ fly_held_law = jax.jit(fly_held)
 def fly_torque(
     craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
 ) -> Trajectory:
-    """Fly piecewise constant torques of wheels and thrusters, (N, n + m) [N m], then coast.
+    """Simulate piecewise constant torques of wheels and thrusters, (N, n + m) [N m], then coast.
 
     The thrusters' columns may be left out.
     """

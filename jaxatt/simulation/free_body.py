@@ -1,4 +1,4 @@
-"""A rigid body with wheels and thrusters in inertial axes, one interval of held torques at a time.
+"""Dynamics of a rigid body with wheels and thrusters in the inertial frame, one interval at a time.
 
 Attitude as a unit quaternion or as modified Rodrigues parameters (MRP), integrated by Runge-Kutta
 or, as some papers print it, by forward Euler.  Components stand alone for the reasons given in
@@ -24,7 +24,7 @@ _WEIGHT = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
 
 @dataclass(frozen=True)
 class BodyForm:
-    """What is compiled in.
+    """Static choices of the model, which are compiled in.
 
     attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".
     momentum : "zero", where it is zero and stays so; "own", J omega, without wheels; "carried",
@@ -42,26 +42,29 @@ class BodyForm:
 
     @property
     def attitude_size(self) -> int:
-        """Numbers that hold the attitude."""
+        """Number of attitude coordinates."""
         return 4 if self.attitude == "quaternion" else 3
 
     @property
     def size(self) -> int:
-        """Numbers of a state."""
+        """Number of states."""
         return self.attitude_size + (6 if self.momentum == "carried" else 3)
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class FreeBody:
-    """inertia : (3, 3) [kg m^2], total, wheels included.  inverse : (3, 3), of J_s."""
+    """Inertia of the body.
+
+    inertia : (3, 3) [kg m^2], total, wheels included.  inverse : (3, 3), of J_s.
+    """
 
     inertia: Array
     inverse: Array
 
 
 def mrp_rate(sigma: Components, w: Components) -> Components:
-    """Derivative of MRP that turn at w [rad/s] in body axes; the source's eqs. (4) and (5)."""
+    """Derivative of MRP at a body rate w [rad/s]; the source's eqs. (4) and (5)."""
     squared = sum(s * s for s in sigma)
     along = sum(s * x for s, x in zip(sigma, w, strict=True))
     turned = cross(sigma, w)
@@ -71,7 +74,7 @@ def mrp_rate(sigma: Components, w: Components) -> Components:
 
 
 def switched(sigma: Components, largest: float = 1.0) -> Components:
-    """MRP, or their other set where their norm is beyond the largest."""
+    """MRP, switched to the shadow set where their norm exceeds `largest`."""
     squared = sum(s * s for s in sigma)
     outside = squared > largest**2
     scale = jnp.where(outside, -1.0 / jnp.where(outside, squared, 1.0), 1.0)
@@ -79,7 +82,7 @@ def switched(sigma: Components, largest: float = 1.0) -> Components:
 
 
 def derivative(state: Components, torque: Components, body: FreeBody, form: BodyForm) -> Components:
-    """Right-hand side.
+    """Time derivative of the state.
 
     state : attitude, omega_ib (3) [rad/s] and, where it is carried, the total momentum (3)
         [N m s], the last two in body axes.
@@ -109,7 +112,7 @@ def _tidied(state: Components, form: BodyForm) -> Components:
 def step(
     state: Components, torque: Components, h: Array, body: FreeBody, form: BodyForm
 ) -> Components:
-    """State after an interval of h [s] under held torques; see `derivative`.
+    """State after one interval of h [s] with constant torques; see `derivative`.
 
     A quaternion is normalised and MRP are switched where they are too large, after every step of
     the integration.

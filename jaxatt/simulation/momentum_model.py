@@ -1,4 +1,4 @@
-"""Roll-out of a rigid body with reaction wheels in its momentum states.
+"""Roll-out of a rigid body with reaction wheels in terms of the total angular momentum.
 
 The wheel speeds follow from the total angular momentum, which the wheels cannot change: in
 inertial axes it stays as it is unless an external torque acts.  What is left is the attitude and
@@ -32,7 +32,7 @@ _WEIGHT = (1 / 6, 1 / 3, 1 / 3, 1 / 6)
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class BodyParameters:
-    """What the momentum model needs to know of the vehicle.
+    """Inertia of the vehicle, as the momentum model needs it.
 
     inertia : (3, 3) [kg m^2], total inertia J with wheels.
     inverse_inertia : (3, 3) [1/(kg m^2)], inverse of J_s, the inertia without wheel spin.
@@ -43,7 +43,7 @@ class BodyParameters:
 
 
 def cross(a: Components, b: Components) -> Components:
-    """a x b."""
+    """Vector product a x b."""
     return (
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -57,19 +57,19 @@ def matvec(matrix: Array, v: Components) -> Components:
 
 
 def to_body(q: Components, v: Components) -> Components:
-    """Inertial components of a vector into body components: R(q_ib)' v."""
+    """Turn a vector from inertial to body components: R(q_ib)' v."""
     once = cross(q[1:4], v)
     twice = cross(q[1:4], once)
     return tuple(v[i] - 2.0 * (q[0] * once[i] - twice[i]) for i in range(3))
 
 
 def to_inertial(q: Components, v: Components) -> Components:
-    """Body components of a vector into inertial components: R(q_ib) v."""
+    """Turn a vector from body to inertial components: R(q_ib) v."""
     return to_body((-q[0], *q[1:4]), v)
 
 
 def _down(q_io: Array) -> Array:
-    """The orbit frame's z axis, to the Earth's centre, in inertial axes: (..., 4) -> (..., 3)."""
+    """Unit vector to the Earth's centre in inertial axes, (..., 3), of q_io (..., 4)."""
     w, x, y, z = (q_io[..., i] for i in range(4))
     return jnp.stack(
         [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)], axis=-1
@@ -84,7 +84,7 @@ def derivative(
     body: BodyParameters,
     disturbed: bool,
 ) -> Components:
-    """Right-hand side of the momentum model.
+    """Time derivative of the states of the momentum model.
 
     state : q_ib (4), omega_ib (3) [rad/s] in body axes and, if disturbed, the total momentum (3)
         [N m s] in inertial axes.
@@ -108,7 +108,7 @@ def derivative(
 
 
 def turning_rate(q: Components, w: Components) -> Components:
-    """Derivative of a quaternion that turns at w [rad/s] in body axes; Schaanning, eq. (4.2)."""
+    """Derivative of a quaternion at a body rate w [rad/s]; Schaanning (2021), eq. (4.2)."""
     return (
         0.5 * (-q[1] * w[0] - q[2] * w[1] - q[3] * w[2]),
         0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]),
@@ -118,7 +118,7 @@ def turning_rate(q: Components, w: Components) -> Components:
 
 
 def tidal_torque(q: Components, environment: Environment, body: BodyParameters) -> Components:
-    """Gravity gradient and known disturbance in body axes, three scalars [N m]."""
+    """Gravity gradient plus known disturbance in body axes, three scalars [N m]."""
     down_i = tuple(environment.orbit_attitude[i] for i in range(3))
     down = to_body(q, down_i)
     tidal = cross(down, matvec(body.inertia, down))
@@ -126,7 +126,7 @@ def tidal_torque(q: Components, environment: Environment, body: BodyParameters) 
 
 
 def with_down(stages: Environment) -> Environment:
-    """Tabulated stages with the orbit frame's `down` in place of its attitude, for `step`."""
+    """Tabulated stages with the unit vector `down` in place of the orbit's attitude, for `step`."""
     return stages._replace(orbit_attitude=_down(stages.orbit_attitude))
 
 
@@ -136,7 +136,7 @@ def integrate(
     along: Environment,
     h: Array,
 ) -> Components:
-    """State after one RK4 step of h [s], its quaternion normalised.
+    """State after one RK4 step of h [s], with the quaternion normalised.
 
     along : leading axis 4, the environment at the stage times.
     """
@@ -191,7 +191,7 @@ def rollout(
     body: BodyParameters,
     disturbed: bool,
 ) -> tuple[Components, Array]:
-    """Fly a piecewise constant torque with fixed-step RK4.
+    """Simulate a piecewise constant torque with fixed-step RK4.
 
     state : seven scalars at the first node, q_ib and omega_ib [rad/s].
     momentum : three scalars [N m s], total momentum in inertial axes at the first node.

@@ -1,4 +1,4 @@
-"""Flight of valves that open and shut inside the intervals, at their exact switching times.
+"""Simulation of valves that open and shut at exact times inside the intervals.
 
 Every interval is cut at its switching times and on an even grid besides; each piece is one
 Runge-Kutta step of constant torque, so that no step ever straddles a switch.
@@ -19,7 +19,7 @@ _STAGE_TIMES = (0.0, 0.5, 0.5, 1.0)
 
 
 def _half_steps(table: EnvironmentTable) -> Environment:
-    """Environment at all half substeps, leading axes (N, 2 S + 1)."""
+    """Environment on the grid of half substeps, leading axes (N, 2 S + 1)."""
 
     def grid(leaf: Array) -> Array:
         at = jnp.asarray(leaf)
@@ -30,7 +30,7 @@ def _half_steps(table: EnvironmentTable) -> Environment:
 
 
 def _at(along: Environment, place: Array) -> Environment:
-    """Environment at a place in half substeps from the interval's start, between grid points."""
+    """Environment between grid points, at a place in half substeps from the interval's start."""
     last = along.gradient.shape[0] - 2
     index = jnp.clip(jnp.floor(place).astype(int), 0, last)
     share = place - index
@@ -46,7 +46,7 @@ def fly_pulses(
     table: EnvironmentTable,
     pieces: int = MINIMUM_SUBSTEPS,
 ) -> Trajectory:
-    """Fly constant wheel torques and one opening of every thruster in each interval, then coast.
+    """Simulate constant wheel torques and one opening a thruster in each interval, then coast.
 
     wheel_torque : (N, n) [N m].  opens, shuts : (N, m) [s] from the interval's start, equal where
     a valve stays shut; an open thruster gives its limit.

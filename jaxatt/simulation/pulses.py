@@ -1,4 +1,4 @@
-"""Openings of valves inside control intervals: where they go, and what can be read off them."""
+"""Opening and shutting times of valves inside the control intervals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _FULL = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Pulses:
-    """One opening of every thruster in every interval, and what the wheels do meanwhile.
+    """One opening of every thruster in every interval, with the wheel torques.
 
     opens, shuts : (N, m) [s] from the interval's start, equal where the valve stays shut.
     wheel_torque : (N, n) [N m], constant over each interval.  step : [s], length of an interval.
@@ -27,11 +27,11 @@ class Pulses:
 
     @property
     def on_time(self) -> Floats:
-        """(N, m) [s], how long each valve is open."""
+        """Time (N, m) [s] for which each valve is open."""
         return np.asarray(self.shuts - self.opens)
 
     def thrust(self, limit: Floats) -> tuple[Floats, Floats]:
-        """Times (T,) [s] and torque of each thruster (T, m) [N m], sampled finely."""
+        """Times (T,) [s] and torque of each thruster (T, m) [N m], finely sampled."""
         inner = (np.arange(_SAMPLES) + 0.5) * self.step / _SAMPLES
         count = len(self.opens)
         at = inner[None, :, None]
@@ -41,7 +41,7 @@ class Pulses:
 
 
 def split(pulses: Pulses, parts: int) -> Pulses:
-    """The same openings, every interval cut into equal parts."""
+    """The same openings with every interval divided into equal parts."""
     step = pulses.step / parts
     begins = step * np.arange(parts)[None, :, None]
 
@@ -53,7 +53,7 @@ def split(pulses: Pulses, parts: int) -> Pulses:
 
 
 def anchors(duty: Floats) -> Floats:
-    """Where openings for a share (N, m) of each interval belong: 0 its start, 1 its end.
+    """Where in its interval each opening of duty cycle (N, m) goes: 0 for the start, 1 for the end.
 
     An opening that follows a valve left open starts at once; one before a valve that opens at
     once ends with the interval; others are centred, where they act most like partial torque.
@@ -65,14 +65,14 @@ def anchors(duty: Floats) -> Floats:
 
 
 def place(duty: Floats, anchor: Floats, wheel_torque: Floats, step: float) -> Pulses:
-    """Openings for a share (N, m) of each interval, moved towards its start or end by `anchors`."""
+    """Place openings of duty cycle (N, m) in their intervals as `anchors` says."""
     width = np.clip(duty, 0.0, 1.0) * step
     opens = anchor * (step - width)
     return Pulses(opens, np.minimum(opens + width, step), wheel_torque, step)
 
 
 def overlaps(pulses: Pulses, pairs: tuple[tuple[int, int], ...]) -> int:
-    """Intervals, over all pairs of thrusters, in which both of a pair are open at once."""
+    """Count the intervals, over all pairs of thrusters, in which a pair is open at once."""
     count = 0
     for i, j in pairs:
         both = np.minimum(pulses.shuts[:, i], pulses.shuts[:, j]) - np.maximum(
@@ -83,6 +83,6 @@ def overlaps(pulses: Pulses, pairs: tuple[tuple[int, int], ...]) -> int:
 
 
 def partly_open(thrust: Floats, limit: Floats) -> int:
-    """Samples (..., m) [N m] that are neither zero nor the limit (m,)."""
+    """Count the samples (..., m) [N m] that are neither zero nor at the limit (m,)."""
     inside = (thrust > 1e-9 * limit) & (thrust < limit * (1.0 - 1e-9))
     return int(inside.sum())

@@ -1,4 +1,4 @@
-"""One Runge-Kutta step of a rigid body whose wheels are driven by torques held over the step.
+"""One Runge-Kutta step of a rigid body whose wheel torques are constant over the step.
 
 With wheel torques held, the momentum of each wheel about its axis, Jw (omega_bw + a' omega_ib),
 grows linearly in time, exactly.  What is left to integrate are seven states, attitude and rate
@@ -22,14 +22,14 @@ _ELAPSED = (0.0, 0.5, 0.5, 1.0)
 
 
 class Motion(NamedTuple):
-    """q_ib, and omega_ib [rad/s] in body axes."""
+    """Attitude q_ib, and rate omega_ib [rad/s] in body axes."""
 
     q_ib: Quaternion
     omega: Vector
 
 
 class Body(NamedTuple):
-    """What the step needs of the vehicle.
+    """Inertia of the vehicle, as the step needs it.
 
     inertia : [kg m^2], total, for the gravity gradient.
     without_spin : J_s.  inverse : of J_s.
@@ -50,7 +50,7 @@ def runge_kutta(
     body: Body,
     torques: ExternalTorques,
 ) -> Motion:
-    """Motion after one step.
+    """Attitude and rate after one step.
 
     wheel_momentum : A h at the start [N m s], h the wheels' axial momenta, inertial.
     torque : A tau_w [N m], on the wheels; the body receives its negative.

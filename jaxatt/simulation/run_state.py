@@ -1,4 +1,4 @@
-"""Where a run is between two samples, and when it has failed."""
+"""State of a run between two samples, and the test whether it has failed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxatt.spacecraft.dynamics import AttitudeState
 
 
 class RunState(NamedTuple):
-    """A run at a sampling instant.
+    """State of a run at a sampling instant.
 
     spins : axial momentum of each wheel, inertial [N m s].  memory : the law's.
     driven, dipole : wheel torques [N m] and dipole [A m^2] held until now.
@@ -38,7 +38,7 @@ class RunState(NamedTuple):
 
 
 def begin(flight: Flight, body: WheeledBody, start: AttitudeState, law: FeedbackLaw) -> RunState:
-    """Before the first sample."""
+    """State of a run before the first sample."""
     omega = Vector.of(start.omega_ib)
     first = jax.tree.map(lambda x: x[0, 0], flight.nodes)
     zero = 0.0 * jnp.asarray(omega.x)
@@ -58,7 +58,7 @@ def begin(flight: Flight, body: WheeledBody, start: AttitudeState, law: Feedback
 
 
 def judged(before: RunState, after: RunState, time: Array, tumbling: Array | float) -> RunState:
-    """What follows a sample; a run that fails stays where it last was sound."""
+    """The new state; a run that fails keeps its last finite state and is marked as failed."""
     omega = after.motion.omega
     leaves = jax.tree.leaves((after.motion, after.spins, after.memory))
     sound = jnp.isfinite(sum(jnp.sum(0.0 * leaf) for leaf in leaves))

@@ -1,4 +1,4 @@
-"""What is measured at a sampling instant, and what is decided from it."""
+"""Measurement and control at a sampling instant."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jaxatt.simulation.sampled_flight import Flight, Noise, Reference
 
 
 class Errors(NamedTuple):
-    """Where a run is: q_ob, omega_ob [rad/s], and both relative to the reference."""
+    """Attitude q_ob and rate omega_ob [rad/s], and their errors relative to the reference."""
 
     q_ob: Quaternion
     omega_ob: Vector
@@ -26,14 +26,14 @@ class Errors(NamedTuple):
 
 
 class Command(NamedTuple):
-    """What is held until the next sample: torque on each wheel [N m] and dipole [A m^2]."""
+    """Torque on each wheel [N m] and dipole [A m^2], held until the next sample."""
 
     wheels: tuple[Array, ...]
     dipole: Vector | None
 
 
 class Controller(NamedTuple):
-    """A law and the vehicle as it knows it.
+    """A feedback law with the vehicle data that it uses.
 
     axes : of the wheels.  shares : rows of the allocation, one a wheel.  inertia : (n,) [kg m^2].
     torque_limit, speed_limit : (n,) [N m], [rad/s].  braking : (n,) [N m s], Jw / period.
@@ -57,7 +57,7 @@ class Controller(NamedTuple):
         reference: Reference,
         drawn: Array | None,
     ) -> tuple[Command, Any]:
-        """What is held over the next period, and the law's memory.
+        """Command for the next period, and the law's updated memory.
 
         speeds : of the wheels [rad/s].  drawn : (3 + n,), normal deviates; None without noise.
         """
@@ -75,12 +75,12 @@ class Controller(NamedTuple):
         return Command(self.limited(wanted, speeds), dipole), memory
 
     def momentum(self, speeds: Any, like: Vector) -> Vector:
-        """A Jw omega_bw [N m s] of the wheels at speeds (n,) [rad/s]."""
+        """Momentum A Jw omega_bw [N m s] of the wheels at speeds (n,) [rad/s]."""
         sizes = tuple(self.inertia[k] * speeds[k] for k in range(len(self.axes)))
         return combination(self.axes, sizes, like)
 
     def limited(self, wanted: Vector, speeds: tuple[Array, ...]) -> tuple[Array, ...]:
-        """Torque on each wheel [N m] for one `wanted` in body axes, within all limits.
+        """Torque on each wheel [N m] for a wanted torque in body axes, clipped to all limits.
 
         No more than brings the wheel to its speed limit within one period.
         """
@@ -94,7 +94,7 @@ class Controller(NamedTuple):
 
 
 def controller(flight: Flight, law: FeedbackLaw) -> Controller:
-    """The law on the flight's nominal vehicle."""
+    """Controller with the law and the flight's nominal vehicle."""
     wheels = flight.nominal.wheels
     inertia = jnp.asarray(wheels.inertia)
     return Controller(
@@ -109,7 +109,7 @@ def controller(flight: Flight, law: FeedbackLaw) -> Controller:
 
 
 def measure(motion: Motion, nodes: Nodes, reference: Reference) -> Errors:
-    """Errors without noise; the short way round."""
+    """Errors without noise, with the attitude error taken the short way round."""
     q_ob = nodes.attitude.conjugate().multiply(motion.q_ib)
     omega_ob = motion.omega - q_ob.rotate_inverse(nodes.rate)
     error = reference.attitude.conjugate().multiply(q_ob).canonical()
@@ -119,7 +119,7 @@ def measure(motion: Motion, nodes: Nodes, reference: Reference) -> Errors:
 
 
 def deviates(key: Array, samples: Array, count: int) -> Array:
-    """Normal deviates (samples, 3 + count) of the samples with these numbers.
+    """Draw the normal deviates (samples, 3 + count) of the samples with these numbers.
 
     All at once: inside the loop the generator would cost more than the flight.  32 bits of them
     are plenty, and half the work.
@@ -135,7 +135,7 @@ def deviates(key: Array, samples: Array, count: int) -> Array:
 def _shaken(
     noise: Noise, speeds: tuple[Array, ...], drawn: Array
 ) -> tuple[Vector, tuple[Array, ...]]:
-    """Noise on the rates [rad/s], and wheel speeds as measured."""
+    """Noise on the rates [rad/s], and the measured wheel speeds."""
     shake = noise.rate * Vector(drawn[0], drawn[1], drawn[2])
     return shake, tuple(speed + noise.wheel_speed * drawn[3 + k] for k, speed in enumerate(speeds))
 

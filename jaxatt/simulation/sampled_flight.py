@@ -1,4 +1,4 @@
-"""What the runs of a sampled flight share, and what each leaves."""
+"""Data that all runs of a sampled flight share, and the record that each run leaves."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FLYING, TUMBLING, NOT_FINITE = 0, 1, 2
 
 
 class Reference(NamedTuple):
-    """What is asked at every sample; leading axis (samples,).
+    """Reference attitude, rate and torque at every sample; leading axis (samples,).
 
     attitude : q_d, relative to the frame of reference.  rate : omega_d [rad/s], body axes.
     held : 1 where the attitude is to be held, 0 where only the rate is.
@@ -34,7 +34,7 @@ class Reference(NamedTuple):
 
 
 class Noise(NamedTuple):
-    """Standard deviations of what is measured: rate [rad/s] and wheel speed [rad/s]."""
+    """Standard deviations of the measurement noise on rate [rad/s] and wheel speed [rad/s]."""
 
     rate: Array | float
     wheel_speed: Array | float
@@ -43,7 +43,7 @@ class Noise(NamedTuple):
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Flight:
-    """Everything that all runs share.
+    """Data that all runs of a flight share.
 
     nominal : the vehicle as the controller knows it.  torques : that act from outside.
     along : leading axes (records, samples, steps, 4).  nodes, reference : (records, samples).
@@ -73,7 +73,7 @@ class Flight:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Recorded:
-    """A run at the end of each record, torques as held until then; leading axes (..., records).
+    """A run at the end of each recording period, with the torques held then; axes (..., records).
 
     q_ob : (..., 4).  error : (..., 3), vector part of the error quaternion, eta >= 0.
     rate_error, omega_ob : (..., 3) [rad/s].  omega_bw : (..., n) [rad/s].
@@ -90,7 +90,10 @@ class Recorded:
 
 
 class Flown(NamedTuple):
-    """What a run leaves: `what` is FLYING, TUMBLING or NOT_FINITE, `ended` [s] when it failed."""
+    """Result of a run: its figures, its history and how it ended.
+
+    what : FLYING, TUMBLING or NOT_FINITE.  ended : [s], when it failed.
+    """
 
     figures: Figures
     what: Array

@@ -1,4 +1,4 @@
-"""Settling, steady error and torque of a run, gathered sample by sample.
+"""Settling time, steady error and torque of a run, accumulated sample by sample.
 
 Nothing has to be stored: every figure is exact at the sampling instants, however few of them are
 recorded.  The settling time is the instant at which the error line crosses the band, so that it
@@ -22,7 +22,7 @@ CHANNELS = ("x", "y", "z", "total")
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Band:
-    """When a run counts as settled.
+    """Error band that defines when a run has settled.
 
     width : () [rad] or [rad/s], largest absolute error of each channel.
     since : () [s], instant from which errors count, that of the command.
@@ -33,7 +33,7 @@ class Band:
 
 
 class Channel(NamedTuple):
-    """One error signal.
+    """Running record of one error signal.
 
     crossing : [s] when it came into the band for good; -1 before it was ever outside.
     outside : its size at the last sample while it is outside, else 0.
@@ -46,7 +46,7 @@ class Channel(NamedTuple):
 
 
 class Effort(NamedTuple):
-    """Torque on the wheels in body axes.
+    """Running record of the torque on the wheels in body axes.
 
     integral : of its Euclidean norm [N m s].  peak : (x, y, z) [N m], of largest size, with sign,
     as torque on the body.
@@ -57,12 +57,12 @@ class Effort(NamedTuple):
 
 
 def channel(zero: Array) -> Channel:
-    """Before the first sample."""
+    """Record of an error signal before the first sample."""
     return Channel(zero - 1.0, zero, zero)
 
 
 def follow(before: Channel, error: Scalar, time: Array, period: Array, band: Band) -> Channel:
-    """After one more sample, at `time` [s]."""
+    """Update the record of an error signal with one more sample, at `time` [s]."""
     size = jnp.abs(error)
     counts = time >= band.since - 1e-9
     inside = size <= band.width
@@ -77,7 +77,7 @@ def follow(before: Channel, error: Scalar, time: Array, period: Array, band: Ban
 
 
 def spend(before: Effort, torque: Vector, period: Array) -> Effort:
-    """After `torque` [N m] on the wheels was held for one period."""
+    """Update the effort with a `torque` [N m] on the wheels that was held for one period."""
     peak = before.peak.map(
         lambda most, now: jnp.where(jnp.abs(now) > jnp.abs(most), -now, most), torque
     )
@@ -85,7 +85,7 @@ def spend(before: Effort, torque: Vector, period: Array) -> Effort:
 
 
 class Figures(NamedTuple):
-    """What a run came to; channels x, y, z and total (Euclidean norm of the error).
+    """Settling time, errors and torque of a run; channels x, y, z and total (norm of the error).
 
     settling : (4,) [s] after the command; 0 where the channel never left the band, not a number
     where it ended outside.  always_inside : (4,), whether it never left.

@@ -1,4 +1,4 @@
-"""How well a slew was held, and how densely it samples the ground."""
+"""Measures of how well an attitude was held, and of how densely a camera samples the ground."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def footprints(
     q_ob: ArrayLike,
     boresight: Sequence[float] = (0.0, 0.0, 1.0),
 ) -> jax.Array:
-    """Where a camera looks, (T, 3) [m] in Earth-fixed axes on the WGS 84 ellipsoid.
+    """Ground points (T, 3) [m] in the camera's line of sight, Earth-fixed on the WGS 84 ellipsoid.
 
     days : epoch of the elements, since J2000.  times : (T,) [s] after it.
     q_ob : (T, 4).  boresight : (3,), in body axes.
@@ -54,5 +54,5 @@ def footprints(
 
 
 def sampling_distance(points: ArrayLike) -> jax.Array:
-    """Ground sampling distance along track, from line to line of points (T, 3): (T - 1,) [m]."""
+    """Ground sampling distance (T - 1,) [m] along track, between successive points (T, 3)."""
     return jnp.linalg.norm(jnp.diff(jnp.asarray(points), axis=0), axis=-1)

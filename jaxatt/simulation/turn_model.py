@@ -1,4 +1,4 @@
-"""One interval of a rigid body with little momentum as one turn: cheap, for searching.
+"""Cheap model for searching: each interval of a body with little momentum is one rotation.
 
 An impulse in body axes and the mean rate of the interval decide it: the attitude turns about the
 mean rate by its exact angle, the gyroscopic torque enters to second order in the interval.  No
@@ -15,7 +15,7 @@ from jaxatt.simulation.momentum_model import Components, cross, matvec, to_body
 def turn(
     state: Components, momentum: Components, impulse: Components, h: Array, inverse_inertia: Array
 ) -> Components:
-    """State after one interval.
+    """State after one interval of the model.
 
     state : q_ib (4), omega_ib (3) [rad/s].  momentum : (3) [N m s], total, in inertial axes.
     impulse : (3) [rad/s], change of the rate by the control torque.  h : () [s].

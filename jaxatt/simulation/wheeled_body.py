@@ -1,4 +1,4 @@
-"""How a body with wheels moves while its torques are held."""
+"""Motion of a body with wheels while its torques are held."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from jaxatt.spacecraft.vehicle import Spacecraft
 
 
 class WheeledBody(NamedTuple):
-    """A vehicle as it is, in scalars.
+    """Inertia and wheels of a vehicle, in scalars.
 
     axes : of the wheels.  wheel_inertia, per_inertia : (n,) [kg m^2] and its inverse.
     """
@@ -27,14 +27,14 @@ class WheeledBody(NamedTuple):
     per_inertia: Array
 
     def speeds(self, motion: Motion, spins: tuple[Array, ...]) -> tuple[Array, ...]:
-        """Of the wheels relative to the body [rad/s], from their axial momenta [N m s]."""
+        """Speeds of the wheels relative to the body [rad/s], from their axial momenta [N m s]."""
         return tuple(
             jnp.asarray(spins[k] * self.per_inertia[k] - axis.dot(motion.omega))
             for k, axis in enumerate(self.axes)
         )
 
     def spins(self, omega: Vector, speeds: Array) -> tuple[Array, ...]:
-        """Axial momentum of each wheel, inertial [N m s]; the inverse of `speeds`."""
+        """Axial momentum of each wheel [N m s] in the inertial frame; the inverse of `speeds`."""
         return tuple(
             self.wheel_inertia[k] * (speeds[k] + axis.dot(omega))
             for k, axis in enumerate(self.axes)
@@ -50,7 +50,7 @@ class WheeledBody(NamedTuple):
         period: Array,
         torques: ExternalTorques,
     ) -> Motion:
-        """Motion after one period of held torques.
+        """Motion after one period with constant torques.
 
         torque : on the wheels in body axes [N m].  along : (steps, 4).
         """
@@ -73,7 +73,7 @@ class WheeledBody(NamedTuple):
 
 
 def wheeled_body(craft: Spacecraft) -> WheeledBody:
-    """Of a vehicle."""
+    """Convert a vehicle to scalars."""
     without_spin = jnp.asarray(craft.inertia_without_spin)
     inertia = jnp.asarray(craft.wheels.inertia)
     return WheeledBody(

@@ -11,7 +11,7 @@ Float64 = npt.NDArray[np.float64]
 
 
 class FieldError(ValueError):
-    """A value that a constructor cannot accept.
+    """A value that a constructor cannot accept, with the field's name and what is allowed.
 
     Parameters
     ----------

@@ -30,7 +30,7 @@ class AttitudeState:
 
 
 def relative_rate(state: AttitudeState, environment: Environment) -> Array:
-    """omega_ob = omega_ib - R(q_ob)' omega_io, (..., 3) [rad/s]; eq. (4.3)."""
+    """Rate relative to the orbit, omega_ib - R(q_ob)' omega_io, (..., 3) [rad/s]; eq. (4.3)."""
     return state.omega_ib - quaternion.rotate_inverse(state.q_ob, environment.orbit_rate)
 
 
@@ -38,7 +38,7 @@ def relative_rate(state: AttitudeState, environment: Environment) -> Array:
 def at_relative_rate(
     q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
 ) -> AttitudeState:
-    """State with the rate given relative to the orbit frame; inverse of `relative_rate`."""
+    """Make a state from a rate relative to the orbit frame; inverse of `relative_rate`."""
     omega_ib = omega_ob + quaternion.rotate_inverse(q_ob, environment.orbit_rate)
     return AttitudeState(q_ob, omega_ib, jnp.asarray(omega_bw))
 
@@ -46,7 +46,7 @@ def at_relative_rate(
 def derivative(
     craft: Spacecraft, state: AttitudeState, torque: Array, environment: Environment
 ) -> AttitudeState:
-    """Time derivative of one state.
+    """Time derivative of a state.
 
     torque : (n + m,) [N m], on each of the n wheels, of which the body receives the negative, then
         of each of the m thrusters.

@@ -1,4 +1,4 @@
-"""Coils or rods that make a magnetic dipole."""
+"""Magnetorquers: coils or rods that make a magnetic dipole."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class Magnetorquers:
-    """One on each body axis; build them with `magnetorquers`, which checks the numbers.
+    """One magnetorquer on each body axis; build them with `magnetorquers`, which checks the
+    numbers.
 
     dipole_limit : (3,) [A m^2], largest absolute dipole about each axis.
     """
@@ -24,13 +25,13 @@ class Magnetorquers:
     dipole_limit: jax.Array | Float64
 
     def limited(self, dipole: Vector) -> Vector:
-        """The dipole that they can give [A m^2]."""
+        """Dipole [A m^2] after clipping to what the magnetorquers can give."""
         limit = Vector.of(self.dipole_limit)
         return dipole.map(lambda m, most: jnp.clip(m, -most, most), limit)
 
 
 def magnetorquers(dipole_limit: Any) -> Magnetorquers:
-    """Checked magnetorquers.
+    """Return checked magnetorquers.
 
     dipole_limit : float or (3,) [A m^2], greater than 0.
     Raises `FieldError`, a `ValueError`.

@@ -1,4 +1,4 @@
-"""A set of on/off thrusters: valves whose torques push one way only."""
+"""On/off thrusters: valves whose torque has one direction and cannot be reversed."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Thrusters:
 
     @property
     def shortest_pulse(self) -> Float64:
-        """(m,) [s], shortest opening that both limits allow."""
+        """Shortest opening (m,) [s] of each valve that both limits allow."""
         by_impulse = np.asarray(self.minimum_impulse) / np.asarray(self.torque_limit)
         return np.asarray(np.maximum(np.asarray(self.minimum_on_time), by_impulse))
 
@@ -68,7 +68,7 @@ class Thrusters:
 
 
 def no_thrusters() -> Thrusters:
-    """Nothing mounted."""
+    """Thrusters of a vehicle that has none."""
     empty = np.zeros(0)
     return Thrusters(np.zeros((3, 0)), empty, empty, empty)
 
@@ -118,7 +118,7 @@ def thrusters(
 
 
 def missing_senses(torques: Float64) -> tuple[str, ...]:
-    """Body axes and senses about which torques that only push cannot turn, e.g. ("-z",).
+    """Body axes and signs about which the thrusters cannot turn the body, e.g. ("-z",).
 
     torques : (3, k), what the actuators give, one column each.  None is missing exactly if every
     torque can be composed: a sense can if it is a non-negative combination of at most three

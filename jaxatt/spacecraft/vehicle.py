@@ -43,12 +43,12 @@ class Spacecraft:
 
     @property
     def actuators(self) -> int:
-        """Wheels and thrusters together, in this order wherever all of them are listed."""
+        """Number of wheels and thrusters; arrays over both list the wheels first."""
         return self.wheels.count + self.thrusters.count
 
     @property
     def inertia_without_spin(self) -> Array:
-        """J_s = J - A Jw A', (3, 3) [kg m^2]; Schaanning (2021), eq. 4.7.
+        """Inertia J_s = J - A Jw A', (3, 3) [kg m^2]; Schaanning (2021), eq. 4.7.
 
         The inertia that a wheel torque accelerates: wheels count, but not about their own axes.
         """

@@ -50,7 +50,7 @@ class ReactionWheels:
 
     @property
     def allocation(self) -> Array:
-        """Moore-Penrose map of body torque to wheel torque, (n, 3); Schaanning (2021), eq. 2.42.
+        """Moore-Penrose inverse from body to wheel torque, (n, 3); Schaanning (2021), eq. 2.42.
 
         The mounting has full row rank, so the pseudo-inverse is ``A' (A A')^-1``: smooth in the
         axes, where one by singular values has no derivative for equal singular values.
@@ -70,7 +70,7 @@ class ReactionWheels:
 
 
 def no_wheels() -> ReactionWheels:
-    """Nothing mounted."""
+    """Wheels of a vehicle that has none."""
     empty = np.zeros(0)
     return ReactionWheels(np.zeros((3, 0)), empty, empty, empty)
 
@@ -93,7 +93,7 @@ def momentum(wheels: ReactionWheels, omega_bw: Any) -> jax.Array:
 
 
 def storage_share(wheels: ReactionWheels, stored: Any) -> float:
-    """Return which share of what the speed limits allow a momentum of the wheels takes up.
+    """Return a wheel momentum as a share of what the speed limits allow.
 
     Parameters
     ----------

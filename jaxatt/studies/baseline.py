@@ -1,4 +1,4 @@
-"""The PD law flown through all phases of a scenario, judged like an optimised answer."""
+"""The PD law on all phases of a scenario, judged like an optimised answer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jaxatt.runtime.arrays import Flags
 
 @dataclass(frozen=True, eq=False)
 class FlownPD:
-    """One phase under the PD law.
+    """Result of one phase under the PD law.
 
     active : (N,), intervals whose mean body torque is above the threshold of 1e-6 N m.
     errors : name -> number, as in `jaxatt.records.phase.Phase`.
@@ -32,7 +32,7 @@ class FlownPD:
 
 
 def fly_pd_phases(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ...]:
-    """Fly the PD law (5.8) of Schaanning (2021) on every phase; the next starts where one ended.
+    """Fly the PD law (5.8) of Schaanning (2021) on every phase, each from where the last one ended.
 
     clipped : whether each wheel's torque is held within its limit.
     """

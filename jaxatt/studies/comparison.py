@@ -1,4 +1,4 @@
-"""PD, L1, L0 and moving L0 on one scenario, with the printed values beside."""
+"""Comparison of PD, L1, L0 and moving L0 on one scenario with the printed values."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from jaxatt.studies.time_comparison import TimeComparison, compare_times
 
 @dataclass(frozen=True)
 class Printed:
-    """What the source prints for a controller; None where it prints nothing."""
+    """Values that the source prints for a controller; None for those that it does not print."""
 
     active_intervals: int | None = None
     active_outside_windows: int | None = None
@@ -44,8 +44,9 @@ class Printed:
 
 @dataclass(frozen=True)
 class Row:
-    """One controller; with several phases counts are added up and errors are those of the worst
-    phase.
+    """Figures of one controller.
+
+    With several phases counts are added up and errors are those of the worst phase.
 
     weighted_active_intervals : sum of h_k over the active intervals, by the scenario's windows,
     whether or not the controller knew of them.  relative_sparsity_percent : active intervals out of
@@ -74,13 +75,13 @@ class Row:
     printed: Printed
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers."""
+        """Return the figures as plain numbers."""
         return asdict(self)
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Rows of the table, and the results behind the optimised ones by their objective.
+    """Table of the controllers' figures, and the results of the optimised ones by their objective.
 
     findings : what was found of printed values that the rows do not meet, in words.
     """
@@ -96,12 +97,12 @@ class Comparison:
         return all(result.reached for result in self.results.values())
 
     def table(self) -> Group:
-        """The comparison as a rich table."""
+        """Return the comparison as a rich table."""
         rows = [row.to_dict() for row in self.rows]
         return comparison_table(self._title, rows, self.scenario.printed, self.findings)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
+        """Return plain numbers, ready for JSON."""
         return {
             "scenario": self.scenario.name,
             "source": self.scenario.source,
@@ -111,7 +112,7 @@ class Comparison:
         }
 
     def plot(self) -> Picture:
-        """All optimised answers side by side."""
+        """Plot all optimised answers side by side."""
         return plots.compare({OBJECTIVES[kind]: r for kind, r in self.results.items()})
 
     def save(self, folder: str | Path) -> list[Path]:
@@ -147,7 +148,8 @@ def compare(
     seed: int | None = None,
     report: Report | None = None,
 ) -> Comparison | TimeComparison:
-    """Run every controller of the source on a scenario, or every transcription of a timed turn.
+    """Run every controller of the source on a scenario, or every transcription of a turn in free
+    time.
 
     The PD law is no optimum and knows no toy; moving L0 needs a cheap window.
     starts, seed : replace the scenario's own.  report : as in `solve`.
@@ -179,7 +181,7 @@ def compare(
 
 
 def printed_values(scenario: scenarios.Scenario, kind: str) -> Printed:
-    """What the source prints for an objective."""
+    """Values that the source prints for an objective."""
     values = scenario.printed.get(kind, {})
     return Printed(
         values.get("active_intervals"),
@@ -196,7 +198,7 @@ def _named(report: Report | None, kind: str) -> Report | None:
 
 
 def _counts(scenario: scenarios.Scenario, active: Sequence[Any]) -> dict[str, Any]:
-    """Counts of the active intervals of all phases, each (N,)."""
+    """Counts of the active intervals of all phases, given as masks (N,)."""
     joined = np.concatenate(active)
     weights = np.tile(scenarios.window_weights(scenario), len(active))
     window = np.tile(scenarios.window_mask(scenario), len(active))
@@ -268,7 +270,7 @@ def _valve_rows(scenario: scenarios.Scenario, kind: str, result: Result) -> list
 
 
 def _valve_cost(scenario: scenarios.Scenario, valves: Valves) -> float:
-    """The printed cost (11) of whole openings: nothing is partly open."""
+    """The printed cost (11) of openings of whole intervals, where no valve is partly open."""
     weights = scenario.objective
     return (
         weights.rate_weight * valves.errors["rate"] ** 2
@@ -278,7 +280,9 @@ def _valve_cost(scenario: scenarios.Scenario, valves: Valves) -> float:
 
 
 def _findings(scenario: scenarios.Scenario, report: Report | None) -> tuple[str, ...]:
-    """Whether the printed relative sparsity can be met rest to rest, and on what evidence."""
+    """Sentences on whether the printed relative sparsity can be met rest to rest, with the
+    evidence.
+    """
     percent = printed_values(scenario, "l0").relative_sparsity_percent
     if percent is None:
         return ()

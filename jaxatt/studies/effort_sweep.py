@@ -1,4 +1,4 @@
-"""Time and effort of turns against the weight rho of effort, and the front between the two."""
+"""Sweep of the weight rho of effort: time against effort, and the Pareto front between them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WEIGHTS = tuple(float(f"{10.0 ** (k / 4.0):.4g}") for k in range(-12, 5))
 
 @dataclass(frozen=True, eq=False)
 class EffortCurve:
-    """Optima of one scenario along the weights.
+    """Optima of one scenario for all weights.
 
     path : final times, efforts and torques.  limits : (n + m,) [N m], of the torques.
     """
@@ -40,12 +40,12 @@ class EffortCurve:
 
     @property
     def saturation(self) -> np.ndarray:
-        """(R,), the largest torque as a share of its limit."""
+        """Largest torque of each optimum as a share of its limit, (R,)."""
         return np.asarray((np.abs(self.path.torques) / self.limits).max(axis=(1, 2)))
 
     @property
     def straightness(self) -> np.ndarray:
-        """(R, n + m), R^2 of a straight line through each torque over time."""
+        """R^2 of a straight line fitted to each torque over time, (R, n + m)."""
         torque = self.path.torques
         x = np.arange(torque.shape[1]) - 0.5 * (torque.shape[1] - 1)
         centred = torque - torque.mean(axis=1, keepdims=True)
@@ -54,7 +54,7 @@ class EffortCurve:
         return np.asarray(np.where(total > 0.0, explained / np.maximum(total, 1e-300), 1.0))
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
+        """Return plain numbers, ready for JSON."""
         path = self.path
         return {
             "scenario": self.scenario.name,
@@ -74,7 +74,7 @@ class EffortCurve:
 
 @dataclass(frozen=True, eq=False)
 class EffortSweep:
-    """Curves of several scenarios over the same weights."""
+    """Optima of several scenarios for the same weights."""
 
     curves: tuple[EffortCurve, ...]
 
@@ -84,14 +84,14 @@ class EffortSweep:
         return all(bool(curve.path.reached.all()) for curve in self.curves)
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
+        """Return plain numbers, ready for JSON."""
         return {
             "curves": [curve.to_dict() for curve in self.curves],
             "findings": list(self.findings()),
         }
 
     def findings(self) -> tuple[str, ...]:
-        """How time and effort change from each scenario to the next, over the weights, in words."""
+        """Sentences on how time and effort change from each scenario to the next."""
         if len(self.curves) < 2:
             return ()
         names = ", ".join(curve.scenario.name for curve in self.curves)
@@ -104,7 +104,7 @@ class EffortSweep:
         )
 
     def table(self) -> Group:
-        """One row a weight and scenario."""
+        """Return a rich table with one row a weight and scenario."""
         table = Table(title="Time and effort against the weight of effort", title_justify="left")
         for name in ("scenario", "rho", "time [s]", "effort", "largest torque", "R2 of a line"):
             table.add_column(name, justify="left" if name == "scenario" else "right")
@@ -123,7 +123,7 @@ class EffortSweep:
         return Group(table, *(Text(sentence) for sentence in self.findings()), *missed)
 
     def plot(self) -> Picture:
-        """Time and effort against the weight, and against each other."""
+        """Plot time and effort against the weight, and against each other."""
         made = picture(13.0, 4.2, "Time and effort")
         left, middle, right = made.subplots(1, 3)
         for curve in self.curves:
@@ -168,7 +168,7 @@ def sweep_effort(
     seed: int | None = None,
     report: Report | None = None,
 ) -> EffortSweep:
-    """Solve scenarios of kind "time-effort" for many weights of effort, warm from neighbours.
+    """Solve "time-effort" scenarios for many weights of effort, each warm-started from a neighbour.
 
     weights : rho [1/(N m)^2], at least 0.  starts, seed : of the search at the middle weight,
     by default the scenario's.
@@ -216,7 +216,7 @@ def _named(report: Report, name: str) -> Report:
 
 
 def _along(holds: np.ndarray, weights: np.ndarray, verb: str) -> str:
-    """For which weights something holds from every curve to the next."""
+    """Words for the weights at which something holds from every curve to the next."""
     always = holds.all(axis=0)
     if always.all():
         return f"{verb} at every weight"

@@ -1,4 +1,4 @@
-"""How long a rest-to-rest turn about its own axis takes at least, for comparison."""
+"""Shortest time of a rest-to-rest turn about a fixed axis, for comparison."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _PARALLEL = 1e-9
 
 
 def eigenaxis_time(craft: Spacecraft, axis: Floats, angle: float) -> float:
-    """Shortest time [s] of a turn from rest to rest about one axis, full torque on and back.
+    """Shortest time [s] of a rest-to-rest turn about a fixed axis, with full torque on and back.
 
     craft : its wheels, if any, at rest at the start, so that no momentum turns with the body.
     axis : (3,), unit vector in body axes.  angle : [rad].
@@ -28,7 +28,7 @@ def eigenaxis_time(craft: Spacecraft, axis: Floats, angle: float) -> float:
 
 
 def acceleration(craft: Spacecraft, direction: Floats) -> float:
-    """Largest a such that all actuators together can give the torque a `direction`, (3,).
+    """Largest a such that all actuators together can give the torque a times `direction`, (3,).
 
     The torques that they can give form a zonotope, whose faces are parallel to two of them each.
     """
@@ -50,7 +50,7 @@ def acceleration(craft: Spacecraft, direction: Floats) -> float:
 
 
 def has_no_gyroscopic_torque(craft: Spacecraft, axis: Floats) -> bool:
-    """Whether a turn about an axis from rest needs no torque across it."""
+    """Whether a turn about this axis from rest needs no torque across it."""
     spun = np.asarray(craft.inertia) @ axis
     principal = np.linalg.norm(np.cross(axis, spun)) <= 1e-9 * np.linalg.norm(spun)
     return bool(principal) or craft.thrusters.count == 0

@@ -1,4 +1,4 @@
-"""Every law of a flight, with the printed values beside and what is not reproduced marked."""
+"""Comparison of every law of a flight with the printed values, with deviations marked."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _INSIDE = -1.0  # printed for a channel that never leaves its band
 
 @dataclass(frozen=True)
 class Line:
-    """One printed figure of one law, and ours.
+    """One printed figure of one law beside the obtained one.
 
     worst : largest relative difference.  why : what is known of a difference.
     """
@@ -49,18 +49,18 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class FlightComparison:
-    """Lines of the table, and the nominal run of each law."""
+    """Table of printed and obtained figures, and the nominal run of each law."""
 
     scenario: FlightScenario
     lines: tuple[Line, ...]
     results: Mapping[str, FlightResult]
 
     def table(self) -> Any:
-        """The comparison as a rich renderable."""
+        """Return the comparison as a rich renderable."""
         return comparison_table(self.scenario, [asdict(line) for line in self.lines])
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
+        """Return plain numbers, ready for JSON."""
         return {
             "scenario": self.scenario.name,
             "source": self.scenario.source,
@@ -68,7 +68,7 @@ class FlightComparison:
         }
 
     def plot(self) -> Picture:
-        """Errors of all laws over time."""
+        """Plot the errors of all laws over time."""
         return flight_plots.compare(self.results)
 
     def save(self, folder: str | Path) -> list[Path]:
@@ -115,7 +115,9 @@ def compare_flight(
 
 
 def _settling(result: FlightResult) -> list[float]:
-    """Of the three axes; -1 for one that never left the band, as the sources print."""
+    """Settling times of the three axes [s]; -1 for one that never left the band, as the sources
+    print.
+    """
     figures = result.flown.figures
     inside = np.asarray(figures.always_inside)[0, :3]
     return np.where(inside, _INSIDE, np.asarray(figures.settling)[0, :3]).tolist()
@@ -133,7 +135,7 @@ FIGURES: Mapping[str, Callable[[FlightResult], list[float]]] = {
 
 
 def _limit(law: Any) -> float:
-    """Settling limit (31) of a latched law on one axis, whatever its high gains."""
+    """Settling limit (31) of a latched law on one axis, which does not depend on its high gains."""
     low = Eigenaxis(float(law.proportional[0]), float(law.derivative[0]))
     return low.settling_limit(0.5 * float(law.coupling))
 
@@ -163,7 +165,7 @@ def _lines(flight: FlightScenario, law: str, result: FlightResult) -> list[Line]
 
 
 def _difference(ours: list[float], theirs: list[float]) -> float:
-    """Largest relative difference; channels that never leave the band must agree in that."""
+    """Largest relative difference; both must agree on which channels never leave the band."""
     worst = 0.0
     for a, b in zip(ours, theirs, strict=True):
         if _INSIDE in (a, b):

@@ -1,4 +1,4 @@
-"""Ground sampling distance of a push-broom camera: nadir pointing beside a slew, table 12.2."""
+"""Ground sampling distance of a push-broom camera while slewing and while pointing to nadir."""
 
 from __future__ import annotations
 
@@ -53,8 +53,11 @@ _KEYS = (
 
 @dataclass(frozen=True)
 class Row:
-    """One altitude [km] over the ground: the frame rate [1/s] that the nadir image needs for its
-    printed distance, and the mean distance [m] of the slew at that rate."""
+    """Mean ground sampling distances at one altitude [km].
+
+    frame_rate : [1/s], with which the nadir image has its printed distance.  slew_m : [m], mean
+    distance of the slew at that rate.
+    """
 
     altitude_km: float
     frame_rate: float
@@ -64,7 +67,7 @@ class Row:
 
 @dataclass(frozen=True, eq=False)
 class Imaging:
-    """Rows by altitude, the altitude at which both printed distances hold, and both along time.
+    """Distances by altitude, and over time at the altitude at which both printed distances hold.
 
     fitted_km : [km].  time : (T,) [s].  nadir, slew : (T,) [m], at the fitted altitude.
     """
@@ -79,7 +82,7 @@ class Imaging:
     slew: Floats
 
     def table(self) -> RichTable:
-        """The comparison as a rich table."""
+        """Return the comparison as a rich table."""
         table = RichTable(
             title=Text(f"{self.title}\nprinted: {self.source}", style="bold"),
             caption=Text(
@@ -103,7 +106,7 @@ class Imaging:
         return table
 
     def plot(self) -> Picture:
-        """Distance along time, as figure 12.9."""
+        """Plot the distance over time, as figure 12.9."""
         figure = picture(8.0, 3.6, f"{self.title}\n{self.fitted.altitude_km:.0f} km")
         axes = figure.subplots()
         for index, (name, values) in enumerate((("nadir", self.nadir), ("slew", self.slew))):
@@ -142,7 +145,7 @@ class Imaging:
 
 
 def compare_imaging(document: Mapping[str, Any] | None = None) -> Imaging:
-    """Distances of table 12.2 of Kristiansen (2023) at several altitudes, on the WGS 84 ellipsoid.
+    """Compute the distances of table 12.2 of Kristiansen (2023) at several altitudes, on WGS 84.
 
     document : as the bundled TOML file has it, which is taken by default.
     """
@@ -190,7 +193,7 @@ class _Case:
     def distances(
         self, altitude_km: float, frame_rate: float, *, slewing: bool
     ) -> tuple[Floats, Floats]:
-        """Distances (T,) [m] and their times (T,) [s]; the middle lies over the latitude."""
+        """Distances (T,) [m] and their times (T,) [s], centred on the pass over the latitude."""
         flat = (POLAR_RADIUS / EQUATORIAL_RADIUS) ** 2
         # Geocentric radius of the ellipsoid below, for a geocentric latitude.
         sin, cos = math.sin(self.latitude), math.cos(self.latitude)
@@ -221,7 +224,7 @@ def _between(
     start: jax.Array,
     rate: jax.Array,
 ) -> jax.Array:
-    """Distance (T,) [m] from the lines taken at `first` [s] to those one period later."""
+    """Distance (T,) [m] between the lines taken at `first` [s] and those one period later."""
 
     def at(times: jax.Array) -> jax.Array:
         turned = quaternion.from_rotation_vector(jnp.outer(times, rate))

@@ -1,4 +1,4 @@
-"""How long thrusters must fire at least to turn a body from rest to rest in a given time.
+"""Lower bound on the time for which thrusters must fire in a rest-to-rest turn.
 
 The angular momentum grows no faster than the largest torque while valves are open, stays while
 they are shut, and is zero at both ends.  So it is at most that torque times the smaller of the open
@@ -36,7 +36,7 @@ def _open_time(angle: float, acceleration: float, duration: float) -> float:
 
 
 def least_on_time(craft: Spacecraft, turn: Floats, duration: float) -> float:
-    """Least time [s] with any valve open for a turn from rest to rest; inf where none suffices.
+    """Least time [s] with any valve open for a rest-to-rest turn; inf where none suffices.
 
     turn : (3,) [rad], rotation vector of the turn.  duration : [s].
     Holds for vehicles whose wheels, if any, stay still.
@@ -46,7 +46,7 @@ def least_on_time(craft: Spacecraft, turn: Floats, duration: float) -> float:
 
 
 def eigenaxis_on_time(craft: Spacecraft, turn: Floats, duration: float) -> float:
-    """As `least_on_time`, for a turn about its own axis with valves that switch at any instant.
+    """As `least_on_time`, for a turn about a fixed axis with valves that switch at any instant.
 
     Slews about several axes may do with a little less.  The torque along the inertia times the axis
     is the largest that pairs of opposed thrusters along body axes give; gyroscopic torque is left
@@ -65,7 +65,7 @@ def eigenaxis_on_time(craft: Spacecraft, turn: Floats, duration: float) -> float
 
 
 def least_intervals(craft: Spacecraft, turn: Floats, duration: float, step: float) -> int:
-    """Fewest intervals of `step` [s] that `least_on_time` fits into; more than there are if none.
+    """Fewest intervals of `step` [s] that hold `least_on_time`; more than there are if none do.
 
     Torque is constant within an interval, which is part of it or all of it.
     """

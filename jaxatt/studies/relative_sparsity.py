@@ -1,4 +1,4 @@
-"""How relative sparsity depends on the intervals and the torque limit, and what no slew can beat.
+"""Relative sparsity against the number of intervals and the torque limit, with a lower bound.
 
 Relative sparsity is the share of control intervals with torque: eq. (5) of Kristiansen and Gravdahl
 (2023), "Maximum hands-off attitude control of a spacecraft actuated by thrusters".
@@ -37,7 +37,7 @@ from jaxatt.studies.impulse_balance import (
 
 @dataclass(frozen=True)
 class Point:
-    """One solved case.
+    """Relative sparsity of one solved case, with its bounds.
 
     percent, bound_percent, eigenaxis_percent : relative sparsity found, the least that the impulse
     balance allows, and that of a slew about one axis with valves that switch at any instant.
@@ -56,14 +56,14 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Points of the curves against the intervals and against the torque limit."""
+    """Curves of relative sparsity against the number of intervals and against the torque limit."""
 
     scenario: scenarios.Scenario
     against_intervals: tuple[Point, ...]
     against_limit: tuple[Point, ...]
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
+        """Return plain numbers, ready for JSON."""
         return {
             "scenario": self.scenario.name,
             "against_intervals": [asdict(point) for point in self.against_intervals],
@@ -71,7 +71,7 @@ class Study:
         }
 
     def plot(self) -> Picture:
-        """Both curves with the impulse balance's bound below them."""
+        """Plot both curves with the impulse balance's bound below them."""
         figure = picture(9.0, 3.8, f"{self.scenario.title}: relative sparsity")
         left, right = figure.subplots(1, 2)
         for axes, points, key, label in (
@@ -112,7 +112,7 @@ class Study:
 
 @dataclass(frozen=True)
 class Attainable:
-    """Whether some number of active intervals suffices rest to rest, on what evidence.
+    """Evidence on whether some number of active intervals suffices rest to rest.
 
     size : active intervals.  least : fewest that the impulse balance allows.  tried : supports of
     two bursts that were tried, each both ways round from several beginnings.
@@ -127,7 +127,7 @@ class Attainable:
     rate_error_rad_s: float
 
     def sentence(self) -> str:
-        """The finding in words."""
+        """State the finding in words."""
         count = plural(self.size, "active interval")
         if self.reached:
             return f"{count}: a flight reaches the target."
@@ -204,7 +204,7 @@ def _with_thrusters(scenario: scenarios.Scenario | str | Path) -> scenarios.Scen
 
 
 def _slew(task: SlewTask) -> tuple[Any, np.ndarray, float]:
-    """Vehicle, turn [rad] and duration [s] of a task, for the impulse balance."""
+    """Vehicle, rotation vector [rad] and duration [s] of a task, for the impulse balance."""
     turn = np.asarray(errors.rotation_vector(task.start.q_ob, task.target.q_ob))
     return task.craft, turn, task.intervals * task.step
 

@@ -1,4 +1,4 @@
-"""A turn in minimum time, printed beside obtained: forward Euler and Runge-Kutta, both targets."""
+"""Comparison of a turn in free time with printed values: Euler and Runge-Kutta, both targets."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _EULER_TOLERANCE_DEG = 2.0
 
 @dataclass(frozen=True)
 class TimeRow:
-    """One optimum.
+    """Figures of one optimum.
 
     angle_rad : of the turn.  integration : "euler" or "rk4".  final_time_s, step_s, cost_s : [s].
     control_effort : [(N m)^2 s].  attitude_error_deg : flown with fine steps.
@@ -59,7 +59,7 @@ class TimeRow:
 
 @dataclass(frozen=True, eq=False)
 class TimeComparison:
-    """Rows of the table and the results behind them, by angle and integration.
+    """Table of the optima, and the results behind them by angle and integration.
 
     findings : what the rows say of the printed values, in words.
     """
@@ -75,7 +75,7 @@ class TimeComparison:
         return all(row.reached for row in self.rows)
 
     def table(self) -> Group:
-        """The comparison as a rich table."""
+        """Return the comparison as a rich table."""
         rows = [asdict(row) for row in self.rows]
         title = f"{self.scenario.title}; printed: {self.scenario.source}"
         return Group(
@@ -84,7 +84,7 @@ class TimeComparison:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain numbers, ready for JSON."""
+        """Return plain numbers, ready for JSON."""
         return {
             "scenario": self.scenario.name,
             "source": self.scenario.source,
@@ -94,7 +94,7 @@ class TimeComparison:
         }
 
     def plot(self) -> Picture:
-        """All answers side by side."""
+        """Plot all answers side by side."""
         return plots.compare(self.results)
 
     def save(self, folder: str | Path) -> list[Path]:
@@ -128,7 +128,8 @@ def compare_times(
     seed: int | None = None,
     report: Report | None = None,
 ) -> TimeComparison:
-    """Solve a turn with forward Euler and Runge-Kutta, to its target and any other that is printed.
+    """Solve a turn with forward Euler and Runge-Kutta, to its target and to any other that is
+    printed.
 
     starts, seed : replace the scenario's own.  report : as in `solve`.
     """
@@ -149,13 +150,13 @@ def compare_times(
 
 
 def printed_time(scenario: scenarios.Scenario) -> Mapping[str, Any]:
-    """What the source prints for the objective: "final_time_s" and "step_s", where it does."""
+    """Values that the source prints for the objective: "final_time_s" and "step_s", if any."""
     found = scenario.printed.get(scenario.objective.kind, {})
     return found if isinstance(found, Mapping) else {}
 
 
 def turn_angle(scenario: scenarios.Scenario) -> float:
-    """Angle [rad] between the attitudes at the start and at the target, at most pi."""
+    """Angle [rad] between the initial and the target attitude, at most pi."""
     alike = abs(float(scenario.initial.q_ob @ scenario.targets[0].q_ob))
     return 2.0 * math.acos(min(1.0, alike))
 
@@ -193,7 +194,7 @@ def _row(result: Result) -> TimeRow:
 
 
 def _findings(scenario: scenarios.Scenario, rows: list[TimeRow]) -> tuple[str, ...]:
-    """Whether the source agrees with itself, which row meets it, and the turn about one axis."""
+    """Sentences on whether the source is consistent, which row meets it, and the eigenaxis turn."""
     found = [text for text in (scenario.printed.get("disagreement"),) if isinstance(text, str)]
     printed = printed_time(scenario).get("final_time_s")
     if printed is not None:
@@ -206,7 +207,7 @@ def _findings(scenario: scenarios.Scenario, rows: list[TimeRow]) -> tuple[str, .
 
 
 def _about_one_axis(scenario: scenarios.Scenario, rows: list[TimeRow]) -> tuple[str, ...]:
-    """The turn about its own axis with full torque, where it goes from rest to rest."""
+    """Sentence on the turn about a fixed axis with full torque, where it goes from rest to rest."""
     vehicle, begin, end = scenario.vehicle, scenario.initial, scenario.targets[0]
     assert vehicle is not None
     moving = (begin.omega_ob, begin.omega_bw, end.omega_ob)

@@ -1,4 +1,4 @@
-"""Gains by descent on what a flight comes to, differentiated through the closed loop."""
+"""Tuning of gains by gradient descent on the figures of a flight, through the closed loop."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _PENALTY = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Tuned:
-    """Where a descent ended.
+    """Result of a tuning.
 
     law : with its new gains.  values : "settling" [s] of the slowest axis, "integral" [N m s] and
     "peak" [N m], before : those it began with.  history : (iterations, 3), the same in that order.
@@ -54,7 +54,7 @@ def tune(
     integral_limit: float | None = None,
     iterations: int = 60,
 ) -> Tuned:
-    """Lower the settling time (or the integrated torque) of the nominal run within limits.
+    """Lower the settling time (or the integrated torque) of the nominal run within torque limits.
 
     free : names of the gains that may change; those of vectors as "proportional.1".
     peak_limit : [N m], largest torque on any axis.  integral_limit : [N m s].
@@ -122,7 +122,7 @@ def _merit(value: float, bound: Floats, scale: float) -> float:
 
 
 def _step(gradient: Floats, bound: Floats, normal: Floats, size: float) -> Floats:
-    """The point within the linearised limits nearest to a step of `size` down the gradient."""
+    """Point within the linearised limits that is nearest to a gradient step of `size`."""
     wanted = -size * gradient / max(float(np.linalg.norm(gradient)), 1e-300)
     best, found = wanted, np.inf
     active = [i for i in range(len(bound)) if np.isfinite(bound[i]) and normal[i].any()]
@@ -159,7 +159,7 @@ def _with_gains(law: Any, names: tuple[str, ...], gains: Array) -> Any:
 def _evaluator(
     flight: Flight, start: Start, law: FeedbackLaw, names: tuple[str, ...], gains: Floats
 ) -> Callable[[Array], tuple[Array, Array]]:
-    """Settling, integral and peak (3,), and their derivatives (3, gains) in the logarithms."""
+    """Function of the gains' logarithms: settling, integral, peak (3,) and their derivatives."""
     first = jax.tree.map(lambda leaf: leaf[0, 0], flight.nodes)
     begin = AttitudeState(
         jnp.asarray(start.q_ob),

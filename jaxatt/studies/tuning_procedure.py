@@ -1,4 +1,4 @@
-"""The tuning procedure of Horri, Palmer and Roberts, section IV.F, step by step as printed."""
+"""The tuning procedure of Horri, Palmer and Roberts, section IV.F, as printed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _GROWTH = 1.02
 
 @dataclass(frozen=True, eq=False)
 class Procedure:
-    """What the procedure chose, and every step of raising the high gains.
+    """Chosen gains, and every step of raising the high gains.
 
     gamma : [1/s], of the settling limit; the law's coupling is twice that.
     law : with the highest gains within the torque.
@@ -47,7 +47,7 @@ def tune_as_printed(
     peak_limit: float | None = None,
     most: float = 200.0,
 ) -> Procedure:
-    """First gamma from a settling limit, then the high gains raised until they ask for too much.
+    """Choose gamma from a settling limit, then raise the high gains up to the torque limit.
 
     law : a `LatchedMinNorm` whose low gains are those of the benchmark.  limit : [s], of (31); of
     the two gammas that have it the smaller one is taken.

@@ -1,4 +1,4 @@
-"""Attitudes in a scenario: three angles, a quaternion, MRP, or an axis with an angle."""
+"""Attitudes in a scenario file: Euler angles, a quaternion, MRP, or an axis with an angle."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _WHOLE_TURN = (
 
 
 def quaternion_from_angles(angles: Float64) -> Float64:
-    """Return q_ob of roll, pitch, yaw [rad], (4,), scalar first: R = Rz(psi) Ry(theta) Rx(phi).
+    """Return the quaternion q_ob (4,) of roll, pitch and yaw [rad]: R = Rz(psi) Ry(theta) Rx(phi).
 
     Schaanning (2021), eq. 2.22, read as the rotation from body to orbit components. Computed in
     NumPy, so that a scenario is exact whatever precision JAX is set to.
@@ -47,7 +47,7 @@ def attitude_given(table: Table) -> bool:
 
 
 def replaced_by(key: str) -> tuple[str, ...]:
-    """Return the keys that a new value under `key` makes void: all other forms of an attitude."""
+    """Return the keys that a new value under `key` replaces: all other forms of an attitude."""
     if key not in ATTITUDE_KEYS:
         return ()
     same = next(form for form in _FORMS if key in form)
@@ -56,7 +56,7 @@ def replaced_by(key: str) -> tuple[str, ...]:
 
 
 def read_attitude(table: Table, notes: list[str]) -> Float64:
-    """Return the unit quaternion q_ob of a table, (4,); a note says when it was normalised."""
+    """Read the unit quaternion q_ob of a table, (4,); a note says when it was normalised."""
     given = [form for form in _FORMS if any(key in table for key in form)]
     if len(given) > 1:
         first, second = (next(key for key in form if key in table) for form in given[:2])

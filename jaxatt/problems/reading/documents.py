@@ -1,4 +1,4 @@
-"""Reading TOML text and files."""
+"""Read TOML text and files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Typed reading of one TOML table, with messages that say what is allowed and how to mend it."""
+"""Typed and checked reading of one TOML table, with error messages that say what is allowed."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from jaxatt.spacecraft.checks import Float64
 
 
 class ScenarioError(ValueError):
-    """A scenario that cannot be used: names file, table, key and value, and how to mend it."""
+    """An error in a scenario: it names file, table, key and value, and says how to mend it."""
 
 
 def shown(value: Any) -> str:
-    """Return a TOML-like text of a value, shortened."""
+    """Return a short TOML-like text of a value, for messages."""
     if isinstance(value, bool):
         text = str(value).lower()
     elif isinstance(value, str):
@@ -60,7 +60,7 @@ class Table:
         return key in self.data
 
     def where(self, key: str) -> str:
-        """Return file, table and key as messages begin."""
+        """Return file, table and key, with which messages begin."""
         return f"{self.origin}: {self.label} {key}" if self.label else f"{self.origin}: {key}"
 
     def fail(self, key: str, problem: str, mend: str) -> NoReturn:
@@ -71,7 +71,7 @@ class Table:
         raise ScenarioError(f"{self.where(key)}{assigned}: {problem}; {mend}")
 
     def require(self, key: str, example: str) -> Any:
-        """Return a value that must be there."""
+        """Return the value of a key that must be there."""
         if key not in self.data:
             self.fail(key, "missing", f"add a line such as {key} = {example}")
         return self.data[key]

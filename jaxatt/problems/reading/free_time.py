@@ -1,4 +1,4 @@
-"""What a scenario may say of a final time that is to be found."""
+"""Read and check a free final time of a scenario with sparse control."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jaxatt.problems.reading.fields import Table
 
 
 def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, float]:
-    """Whether the final time is free, the shortest and the longest allowed [s]; of [horizon]."""
+    """Read from [horizon] whether the final time is free, and its shortest and longest [s]."""
     free = table.choice("final_time", ("fixed", "free"), default) == "free"
     for key in ("shortest_s", "longest_s"):
         if key in table and not free:
@@ -24,7 +24,7 @@ def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, 
 
 
 def refuse_seconds(table: Table, key: str, instead: str) -> NoReturn:
-    """Refuse a time in seconds on a grid whose intervals have no length yet."""
+    """Refuse a time in seconds where the intervals have no length yet."""
     table.fail(
         key,
         "the final time is free, so the intervals have no length yet",

@@ -1,4 +1,4 @@
-"""Where the manoeuvre starts, what it passes and where it must end."""
+"""Read the initial state, the waypoint and the targets of a scenario."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
 
 
 def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str]) -> Waypoint:
-    """Return the checked waypoint; its time moves to the nearest node, with a note if it moved."""
+    """Read the waypoint; its time moves to the nearest node, with a note if it moved."""
     table = Table(data, origin, "[waypoint]", SPACECRAFT_TABLES["waypoint"])
     node = _node_by_number(table, horizon) if "node" in table else _node(table, horizon, notes)
     tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)

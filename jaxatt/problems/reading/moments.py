@@ -1,4 +1,4 @@
-"""The orbit frame at the start, the waypoint and the targets of a scenario."""
+"""The attitudes that a scenario prescribes, with the orbit frame at these instants."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxatt.problems.surroundings import surroundings_of
 
 
 def moments_of(scenario: Scenario) -> list[Moment]:
-    """Start, waypoint and targets of a spacecraft's scenario, with the orbit frame then."""
+    """Initial state, waypoint and targets of a spacecraft's scenario, with the orbit frame then."""
     horizon, initial, passing = scenario.horizon, scenario.initial, scenario.waypoint
     asked = [("start", 0.0, initial.q_ob, initial.omega_ob)]
     if passing is not None:

@@ -1,4 +1,4 @@
-"""Cones and rate limits of a scenario: [[keep_out]], [[keep_in]] and [limits]."""
+"""Read cones and rate limits of a scenario: [[keep_out]], [[keep_in]] and [limits]."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _ROUNDING = 1e-9  # rad; a boresight on the cone itself is allowed
 
 
 class Moment(NamedTuple):
-    """An attitude that a scenario asks for, with what it is called in messages.
+    """An attitude that a scenario prescribes at an instant, with its name in messages.
 
     time : [s].  q_ob : (4,).  omega_ob : (3,) [rad/s].  q_io : (4,) and omega_io : (3,) [rad/s], of
     the orbit frame then.
@@ -39,7 +39,7 @@ class Moment(NamedTuple):
 def read_pointing(
     document: dict[str, Any], origin: str, orbit: bool, days: float | None, where: str = "[orbit]"
 ) -> Pointing:
-    """The checked cones and rate limits of a document.
+    """Read and check the cones and rate limits of a document.
 
     orbit : whether there is one.  days : its epoch, days since J2000, or None.
     where : the table that an epoch belongs into.
@@ -120,7 +120,7 @@ def _between(a: Float64, b: Float64) -> float:
 
 
 def _check_together(cones: Sequence[Cone], origin: str) -> None:
-    """Two keep-in cones in the same axes must be open to some attitude at once."""
+    """Check that two keep-in cones in the same axes leave some attitude that satisfies both."""
     inner = [cone for cone in cones if cone.kind == "keep-in"]
     for i, first in enumerate(inner):
         for second in inner[:i]:
@@ -139,7 +139,7 @@ def _check_together(cones: Sequence[Cone], origin: str) -> None:
 
 
 def check_moments(pointing: Pointing, moments: Sequence[Moment], origin: str) -> None:
-    """Raise a `ScenarioError` where a start, waypoint or target is itself against a limit."""
+    """Raise a `ScenarioError` where a start, waypoint or target itself violates a limit."""
     if not pointing or not moments:
         return
     times, q_io = (np.array([getattr(m, name) for m in moments]) for name in ("time", "q_io"))

@@ -1,4 +1,4 @@
-"""The names that a scenario file may hold, and the suggestion for one that it may not."""
+"""Tables and keys that are allowed in a scenario file, and suggestions for misspelt ones."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ UNITS = {
 
 
 def top_level_keys(tables: Mapping[str, tuple[str, ...]]) -> tuple[str, ...]:
-    """Return the names that may stand at the top of a scenario file with these tables."""
+    """Return the keys that are allowed at the top of a scenario file with these tables."""
     return (*_TOP, *tables)
 
 
@@ -141,7 +141,7 @@ def unit_of(key: str) -> str | None:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str | None:
-    """Return the candidate that `name` was probably meant to be, or None.
+    """Return the candidate that was most likely meant by `name`, or None.
 
     A candidate that is `name` with a unit added comes first: a forgotten unit is the commonest
     slip, and plain similarity would prefer a shorter key.
@@ -165,7 +165,7 @@ def _with_unit(name: str, candidates: Iterable[str]) -> str | None:
 
 
 def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
-    """Return the sentence that helps with an unknown key: a near name, or all that is allowed."""
+    """Return the sentence that helps with an unknown key: a close name, or all allowed ones."""
     # A key that exists in another table was misplaced rather than misspelt.
     elsewhere = {
         "vehicle.wheels": WHEEL_KEYS,

@@ -24,7 +24,7 @@ _SMALLEST_PARAMETER = 1e12
 
 
 def read_orbit(data: Any, origin: str) -> Orbit:
-    """Return the checked orbit in metres and radians."""
+    """Read the orbit, in metres and radians."""
     table = Table(data, origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
     axis = table.number("semi_major_axis_km", above=0.0, example="6852.2")
     if axis > _LARGEST_AXIS_KM:
@@ -103,7 +103,7 @@ def read_horizon(data: Any, origin: str) -> Horizon:
 
 
 def read_disturbances(data: Any, origin: str) -> Disturbances:
-    """Return the checked disturbances; a negative sine amplitude is a phase of half a turn."""
+    """Read the disturbances; a negative sine amplitude is a phase of half a turn."""
     table = Table(data, origin, "[disturbances]", SPACECRAFT_TABLES["disturbances"])
     return Disturbances(
         gravity_gradient=table.flag("gravity_gradient"),

@@ -1,4 +1,4 @@
-"""The vehicle of a scenario: bundled, in a file of its own, or written in place."""
+"""Read the vehicle of a scenario: bundled, in a file of its own, or written in place."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def load_vehicle(name: str) -> Spacecraft:
 
 
 def read_vehicle(data: Any, origin: str, folder: Path | None, notes: list[str]) -> Spacecraft:
-    """Return the checked vehicle of a [vehicle] table.
+    """Read and check the vehicle of a [vehicle] table.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _mounted(table: Table, name: str) -> Table:
 
 
 def _rows(table: Table, key: str, what: str) -> Float64:
-    """Columns (3, n) of a list with one row of three numbers for each actuator."""
+    """Read a list with one row of three numbers for each actuator, as columns (3, n)."""
     rows = table.require(key, "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
     if not isinstance(rows, list) or not all(isinstance(r, list) and len(r) == 3 for r in rows):
         table.fail(key, f"is not a list of {key}", f"give one row of three numbers for each {what}")

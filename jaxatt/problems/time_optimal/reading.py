@@ -1,4 +1,4 @@
-"""What a scenario may say of a turn whose time is minimised, alone or with its effort."""
+"""Read and check scenarios that minimise time, or time plus effort."""
 
 from __future__ import annotations
 
@@ -176,6 +176,6 @@ def _check_storable(
 
 
 def _rotated(q: Float64, v: Float64) -> Float64:
-    """R(q) v in NumPy: exact whatever precision JAX is set to."""
+    """Rotate a vector, R(q) v, in NumPy: exact whatever precision JAX is set to."""
     twice = 2.0 * np.cross(q[1:], v)
     return np.asarray(v + q[0] * twice + np.cross(q[1:], twice))

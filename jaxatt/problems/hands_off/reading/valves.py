@@ -1,4 +1,4 @@
-"""What a scenario with thrusters may ask for."""
+"""Check that a scenario asks of thrusters only what they can do."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from jaxatt.spacecraft.checks import Float64
 
 
 def shortest_interval(vehicle: Spacecraft | None) -> float:
-    """Length [s] that a control interval must have for every valve to open and shut in it."""
+    """Shortest control interval [s] in which every valve can open and shut."""
     if vehicle is None or not vehicle.thrusters.count:
         return 0.0
     return float(max(shortest.max() for _, shortest, _ in _openings(vehicle)))
 
 
 def _openings(vehicle: Spacecraft) -> tuple[tuple[str, Float64, str], ...]:
-    """Key in the file, shortest opening of each valve [s] and its unit there."""
+    """Key in the file, shortest opening of each valve [s] and its unit in the file."""
     thrusters = vehicle.thrusters
     least = np.asarray(thrusters.minimum_impulse) / np.asarray(thrusters.torque_limit)
     return (

@@ -1,4 +1,4 @@
-"""Windows of intervals that are cheap or forbidden."""
+"""Read windows of intervals that are cheap or forbidden."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _TIME_TOLERANCE = 1e-9
 
 
 def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]:
-    """Return the checked windows of the [[windows]] tables."""
+    """Read and check the windows of the [[windows]] tables."""
     if not isinstance(data, list):
         raise ScenarioError(
             f"{origin}: windows: must be a list of tables; write [[windows]] with double brackets"
