@@ -1,8 +1,11 @@
 """Settings for every test: those of the command line, and no silent rank promotion."""
 
+import gc
 import os
+import resource
 import shutil
 import tempfile
+from pathlib import Path
 
 # One compilation cache for all workers of a run and the notebooks' kernels; set before JAX starts.
 _OWN_CACHE = "JAX_COMPILATION_CACHE_DIR" not in os.environ
@@ -11,19 +14,85 @@ if _OWN_CACHE:
     os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "1"
 
 import jax  # noqa: E402
+import pytest  # noqa: E402
 
 import jaxatt  # noqa: E402
 
 jaxatt.configure()
 jax.config.update("jax_numpy_rank_promotion", "raise")
 
+GIB = 2**30
+ENOUGH = 1.5 * GIB
+"""Memory of a worker beyond which it forgets what it has compiled, between two files."""
+
+FIRST = (
+    "test_timed_cases.py",
+    "test_pointing_cases.py",
+    "test_certify.py",
+    "test_solve.py",
+)
+"""The files that take longest: begun first, so that no worker is left alone with one at the end."""
+
+
+@pytest.fixture
+def compilations():
+    """Durations [s] of XLA's compilations from now on, one each."""
+    seen = []
+
+    def listen(event, duration, **_):
+        if event.endswith("backend_compile_duration"):
+            seen.append(duration)
+
+    jax.monitoring.register_event_duration_secs_listener(listen)
+    yield seen
+    jax.monitoring.unregister_event_duration_listener(listen)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _no_hoard():
+    """Between files, give back compiled programs once they fill much memory."""
+    yield
+    statm = Path("/proc/self/statm")  # Linux; elsewhere nothing is given back
+    if statm.exists() and int(statm.read_text().split()[1]) * resource.getpagesize() > ENOUGH:
+        gc.collect()
+        jax.clear_caches()
+
+
+def pytest_collection_modifyitems(items: list) -> None:
+    """The longest files first, in the order of `FIRST`; the others as they were."""
+    order = {name: number for number, name in enumerate(FIRST)}
+    items.sort(key=lambda item: order.get(item.path.name, len(order)))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Tell the process that reports the peak of this one's memory, and of its children's."""
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["peaks"] = peaks()
+
+
+def peaks() -> tuple[float, float]:
+    """Peak resident memory [GiB] of this process and of its largest child that has ended."""
+    both = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    own, child = (resource.getrusage(who).ru_maxrss * 1024 / GIB for who in both)
+    return own, child
+
+
+_PEAKS: dict[str, tuple[float, float]] = {}
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node) -> None:
+    """Keep what a worker tells at its end."""
+    _PEAKS[node.gateway.id] = node.workeroutput.get("peaks", (0.0, 0.0))
+
+
+def pytest_terminal_summary(terminalreporter) -> None:
+    """Say how much memory every worker, and its largest child, needed at most."""
+    for name, (own, child) in sorted((_PEAKS or {"this process": peaks()}).items()):
+        terminalreporter.write_line(f"memory of {name}: {own:.1f} GiB, a child {child:.1f} GiB")
+
 
 def pytest_unconfigure() -> None:
     """Remove the compilation cache that this process made."""
     if _OWN_CACHE:
         shutil.rmtree(os.environ["JAX_COMPILATION_CACHE_DIR"], ignore_errors=True)
-
-
-def pytest_collection_modifyitems(items: list) -> None:
-    """Begin with the long studies, so that no worker is left alone with one at the end."""
-    items.sort(key=lambda item: item.get_closest_marker("slow") is None)

@@ -53,20 +53,6 @@ def folder(pool, tmp_path):
     return tmp_path / "jaxatt"
 
 
-@pytest.fixture
-def compilations(pool):
-    """Durations of XLA's compilations from now on."""
-    seen = []
-
-    def listen(event, duration, **_):
-        if event.endswith("backend_compile_duration"):
-            seen.append(duration)
-
-    jax.monitoring.register_event_duration_secs_listener(listen)
-    yield seen
-    jax.monitoring.unregister_event_duration_listener(listen)
-
-
 def ahead(routine, pool, *args):
     """The value of a routine that was begun and has ended in a pool."""
     routine.begin(pool, *args)
