@@ -18,6 +18,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.runtime.arrays import Floats
+
 
 def _plus(x: Array, error: Array) -> Array:
     return x + error
@@ -41,18 +43,24 @@ class Linearisation(NamedTuple):
     kept: Any = ()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Layout:
-    """What the coordinates of a state and the nodes of a programme mean.
+    """What the coordinates of states and controls mean to whoever wrote the programme.
 
     states : number of the user's own states, which come first.  parameters : number of free
-    parameters, which follow.  times : (x, args) -> (N + 1,) [s], times of the nodes; `x` is any
-    state, for a free final time is one of its coordinates.
+    parameters, which follow.  times : (x, args) -> (N + 1,) [s], times of the nodes; x is any
+    state, for a free final time is one of its coordinates.  controls : (u, args) -> in the user's
+    units, scaled : the other way.  decided : lower and upper bounds of the coordinates of the first
+    state that are free.  check : args -> None; raises ValueError where they do not fit.
     """
 
     states: int
     parameters: int
     times: Callable[[Array, Any], Array]
+    controls: Callable[[Array, Any], Array]
+    scaled: Callable[[Array, Any], Array]
+    decided: tuple[Floats, Floats]
+    check: Callable[[Any], None]
 
 
 def _nothing(x: Array) -> Array:
