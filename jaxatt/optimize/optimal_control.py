@@ -1,4 +1,7 @@
-"""What the Riccati solvers see: a programme whose stages are tied by dynamics (single shooting).
+"""What the solvers over stages see: a programme whose stages are tied by dynamics.
+
+A programme says what it has by the fields that it fills; `jaxatt.optimize.features` names them, so
+that a solver can refuse by name what it does not support.
 
 The state may live on a manifold.  Derivatives are taken in an error state of n coordinates around
 it, which `retract` and `difference` define; an attitude then has three of them and none of the
@@ -15,29 +18,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-
-def _no_rows(x: Array, u: Array, stage: Any, args: Any) -> Array:
-    return jnp.zeros((0,), x.dtype)
-
-
-def _no_final_rows(x: Array, args: Any) -> Array:
-    return jnp.zeros((0,), x.dtype)
-
-
-def _hard(stage: Any, args: Any) -> Array:
-    return jnp.asarray(jnp.inf)
-
-
-def _hard_at_the_end(args: Any) -> Array:
-    return jnp.asarray(jnp.inf)
-
-
-def _all_free(stage: Any, args: Any) -> Array:
-    return jnp.ones(())
-
-
-def _no_limits(stage: Any, args: Any) -> tuple[Array, Array]:
-    return jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)
+from jaxatt.runtime.arrays import Floats
 
 
 def _plus(x: Array, error: Array) -> Array:
@@ -53,11 +34,41 @@ class Linearisation(NamedTuple):
 
     gap : (n,), the next state that the dynamics give less the one that there is.
     dynamics : (n, n + b), derivatives of the gap.  cost : (n + b,), those of the cost.
+    kept : whatever the second derivatives of the same stage can use again.
     """
 
     gap: Array
     dynamics: Array
     cost: Array
+    kept: Any = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """What the coordinates of states and controls mean to whoever wrote the programme.
+
+    states : number of the user's own states, which come first.  parameters : number of free
+    parameters, which follow.  times : (x, args) -> (N + 1,) [s], times of the nodes; x is any
+    state, for a free final time is one of its coordinates.  controls : (u, args) -> in the user's
+    units, scaled : the other way.  decided : lower and upper bounds of the coordinates of the first
+    state that are free.  check : args -> None; raises ValueError where they do not fit.
+    """
+
+    states: int
+    parameters: int
+    times: Callable[[Array, Any], Array]
+    controls: Callable[[Array, Any], Array]
+    scaled: Callable[[Array, Any], Array]
+    decided: tuple[Floats, Floats]
+    check: Callable[[Any], None]
+
+
+def _nothing(x: Array) -> Array:
+    return jnp.zeros((0,), x.dtype)
+
+
+def _hard() -> Array:
+    return jnp.asarray(jnp.inf)
 
 
 @dataclass(frozen=True)
@@ -71,47 +82,121 @@ class OptimalControlProgram:
     stages : args -> pytree with leading axis N.
     dynamics : (x, u, stage, args) -> (s,), state at the next node.
     cost : (x, u, stage, args, smoothing) -> ().
+    error_size : n.  control_size : b; None where the controls of a start tell.
+
+    What a programme does not have is None:
+
     curvature : (x, u, stage, args, smoothing) -> (n + b, n + b), positive semidefinite, in the
-        error state, then the controls; it may majorise the cost rather than be its Hessian.
-    error_size : n.
+        error state, then the controls; it may majorise the cost, whose Hessian it otherwise is.
+    terminal_cost : (x, args) -> (), of the last state.
     retract : (x, e) -> (s,), the state at an error e from x; difference : (x, reference) -> e
         such that retract(reference, e) = x, and zero where they agree.
     equality : (x, u, stage, args) -> (q,), zero when satisfied.  equality_weight : (stage, args)
-        -> (q,) or (); inf makes a row hard, w costs w/2 row^2, and 0 leaves it out.
+        -> (q,) or (); inf makes a row hard, w costs w/2 row^2, and 0 leaves it out; without it all
+        rows are hard.
     inequality : (x, u, stage, args) -> (p,), non-negative when satisfied.
     final_rows, final_weight, final_inequality : the same of the last state; (x, args) or (args).
     free : (stage, args) -> (b,) or (), 1 where a control may move and 0 where it is held.
-    limits : (stage, args) -> lower and upper limits of the controls, (b,) or (); read by
-        `interior_point` only, for the other solvers they belong among the inequalities.
+    limits : (stage, args) -> lower and upper limits of the controls, (b,) or ().
     free_start : number of coordinates, the last ones of the error state, that are decided with the
-        controls and stay the same, such as the length of a stage; for `interior_point`.
+        controls and stay the same, such as the length of a stage.
     linearisation : (x, u, x_next, stage, args) -> `Linearisation`, exact; lagrangian_hessian : (x,
-        u, x_next, stage, args, costate) -> (n + b, n + b), Hessian of cost + costate . gap, exact
-        or nearly so; both for `interior_point`, None to differentiate cost and dynamics.
+        u, x_next, stage, args, costate, kept) -> (n + b, n + b), Hessian of cost + costate . gap,
+        exact or nearly so, `kept` from the linearisation; without them they are differentiated.
     linearise : (x, u, x_next, stage, args) -> (n, n + b), derivatives of the next error state with
-        respect to error state and controls; exact or nearly so, None to differentiate `dynamics`.
+        respect to error state and controls; exact or nearly so.
+    moved : (x, u, stage, args) -> `dynamics` and `cost` in one, where that is cheaper.
+    flight : (x, u, stage, args, substeps) -> as `dynamics`, with so many times the steps.
+    layout : what the coordinates of a state mean to whoever wrote the programme.
     """
 
     start: Callable[[Any], Array]
     stages: Callable[[Any], Any]
     dynamics: Callable[[Array, Array, Any, Any], Array]
     cost: Callable[[Array, Array, Any, Any, Array], Array]
-    curvature: Callable[[Array, Array, Any, Any, Array], Array]
     error_size: int
+    control_size: int | None = None
+    curvature: Callable[[Array, Array, Any, Any, Array], Array] | None = None
+    terminal_cost: Callable[[Array, Any], Array] | None = None
     retract: Callable[[Array, Array], Array] = _plus
     difference: Callable[[Array, Array], Array] = _minus
-    equality: Callable[[Array, Array, Any, Any], Array] = _no_rows
-    equality_weight: Callable[[Any, Any], Array] = _hard
-    inequality: Callable[[Array, Array, Any, Any], Array] = _no_rows
-    final_rows: Callable[[Array, Any], Array] = _no_final_rows
-    final_weight: Callable[[Any], Array] = _hard_at_the_end
-    final_inequality: Callable[[Array, Any], Array] = _no_final_rows
-    free: Callable[[Any, Any], Array] = _all_free
-    limits: Callable[[Any, Any], tuple[Array, Array]] = _no_limits
+    equality: Callable[[Array, Array, Any, Any], Array] | None = None
+    equality_weight: Callable[[Any, Any], Array] | None = None
+    inequality: Callable[[Array, Array, Any, Any], Array] | None = None
+    final_rows: Callable[[Array, Any], Array] | None = None
+    final_weight: Callable[[Any], Array] | None = None
+    final_inequality: Callable[[Array, Any], Array] | None = None
+    free: Callable[[Any, Any], Array] | None = None
+    limits: Callable[[Any, Any], tuple[Array, Array]] | None = None
     free_start: int = 0
     linearisation: Callable[[Array, Array, Array, Any, Any], Linearisation] | None = None
-    lagrangian_hessian: Callable[[Array, Array, Array, Any, Any, Array], Array] | None = None
+    lagrangian_hessian: Callable[[Array, Array, Array, Any, Any, Array, Any], Array] | None = None
     linearise: Callable[[Array, Array, Array, Any, Any], Array] | None = None
+    moved: Callable[[Array, Array, Any, Any], tuple[Array, Array]] | None = None
+    flight: Callable[[Array, Array, Any, Any, int], Array] | None = None
+    layout: Layout | None = None
+
+    @property
+    def on_manifold(self) -> bool:
+        """Whether the error state is something else than a difference of states."""
+        return self.retract is not _plus or self.difference is not _minus
+
+    def equalities(self, x: Array, u: Array, stage: Any, args: Any) -> Array:
+        """Rows of a stage, (q,)."""
+        return _nothing(x) if self.equality is None else self.equality(x, u, stage, args)
+
+    def equality_weights(self, stage: Any, args: Any) -> Array:
+        """Of those rows, (q,) or ()."""
+        return _hard() if self.equality_weight is None else self.equality_weight(stage, args)
+
+    def inequalities(self, x: Array, u: Array, stage: Any, args: Any) -> Array:
+        """Of a stage, (p,)."""
+        return _nothing(x) if self.inequality is None else self.inequality(x, u, stage, args)
+
+    def final_equalities(self, x: Array, args: Any) -> Array:
+        """Rows of the last state, (r,)."""
+        return _nothing(x) if self.final_rows is None else self.final_rows(x, args)
+
+    def final_weights(self, args: Any) -> Array:
+        """Of those rows, (r,) or ()."""
+        return _hard() if self.final_weight is None else self.final_weight(args)
+
+    def final_inequalities(self, x: Array, args: Any) -> Array:
+        """Of the last state, (t,)."""
+        return _nothing(x) if self.final_inequality is None else self.final_inequality(x, args)
+
+    def cost_curvature(self, x: Array, u: Array, stage: Any, args: Any, smoothing: Array) -> Array:
+        """`curvature`, or the Hessian of the cost where the programme has nothing of its own."""
+        if self.curvature is not None:
+            return self.curvature(x, u, stage, args, smoothing)
+        n = self.error_size
+
+        def at(z: Array) -> Array:
+            return self.cost(self.retract(x, z[:n]), u + z[n:], stage, args, smoothing)
+
+        return jnp.asarray(jax.hessian(at)(jnp.zeros(n + u.shape[0], x.dtype)))
+
+    def final_cost(self, x: Array, args: Any) -> Array:
+        """Of the last state, ()."""
+        none = jnp.zeros((), x.dtype)
+        return none if self.terminal_cost is None else self.terminal_cost(x, args)
+
+    def free_controls(self, stage: Any, args: Any) -> Array:
+        """1 where a control may move, (b,) or ()."""
+        return jnp.ones(()) if self.free is None else self.free(stage, args)
+
+    def control_limits(self, stage: Any, args: Any) -> tuple[Array, Array]:
+        """Lower and upper limits of the controls, (b,) or ()."""
+        if self.limits is None:
+            return jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf)
+        return self.limits(stage, args)
+
+    def next_and_cost(self, x: Array, u: Array, stage: Any, args: Any) -> tuple[Array, Array]:
+        """State at the next node, (s,), and cost of the stage, ()."""
+        if self.moved is not None:
+            return self.moved(x, u, stage, args)
+        cost = self.cost(x, u, stage, args, jnp.zeros((), x.dtype))
+        return self.dynamics(x, u, stage, args), cost
 
     def derivatives(self, x: Array, u: Array, x_next: Array, stage: Any, args: Any) -> Array:
         """Derivatives of the next error state, (n, n + b); see `linearise`."""
@@ -141,8 +226,8 @@ def _moved(
 
     def at(z: Array) -> tuple[Array, Array]:
         x_moved, u_moved = program.retract(x, z[:n]), u + z[n:]
-        gap = program.difference(program.dynamics(x_moved, u_moved, stage, args), x_next)
-        return gap, program.cost(x_moved, u_moved, stage, args, jnp.zeros((), x.dtype))
+        ahead, cost = program.next_and_cost(x_moved, u_moved, stage, args)
+        return program.difference(ahead, x_next), cost
 
     return at
 
@@ -167,10 +252,11 @@ def lagrangian_hessian(
     stage: Any,
     args: Any,
     costate: Array,
+    kept: Any = (),
 ) -> Array:
-    """Hessian of cost + costate . gap of a stage, (n + b, n + b)."""
+    """Hessian of cost + costate . gap of a stage, (n + b, n + b); `kept` from its linearisation."""
     if program.lagrangian_hessian is not None:
-        return program.lagrangian_hessian(x, u, x_next, stage, args, costate)
+        return program.lagrangian_hessian(x, u, x_next, stage, args, costate, kept)
     moved = _moved(program, x, u, x_next, stage, args)
 
     def lagrangian(z: Array) -> Array:

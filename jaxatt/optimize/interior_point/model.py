@@ -46,7 +46,7 @@ class Model(NamedTuple):
 
     gap : (N, n), of the dynamics.  dynamics : (N, n, z).
     gradient : (N, z) and hessian : (N, z, z), of the Lagrangian without the controls' limits.
-    path : (N, p) and path_slope : (N, p, z).
+    path : (N, p) and path_slope : (N, p, z).  equality : (N, q) and equality_slope : (N, q, z).
     rows : (r,), final_slope : (r, n).  final : (t,), final_path_slope : (t, n).
     final_hessian : (n, n).  costate : (n,), at the first node.
     """
@@ -57,6 +57,8 @@ class Model(NamedTuple):
     hessian: Array
     path: Array
     path_slope: Array
+    equality: Array
+    equality_slope: Array
     rows: Array
     rows_slope: Array
     final: Array
@@ -69,69 +71,111 @@ def limits_along(program: OptimalControlProgram, size: int, args: Any) -> tuple[
     """Lower and upper limits of the controls, (N, b)."""
 
     def at(stage: Any) -> tuple[Array, Array]:
-        lower, upper = program.limits(stage, args)
+        lower, upper = program.control_limits(stage, args)
         return jnp.broadcast_to(lower, (size,)), jnp.broadcast_to(upper, (size,))
 
     return jax.vmap(at)(program.stages(args))
 
 
-def model(
-    program: OptimalControlProgram, nodes: Nodes, rows: Array, path: Array, final: Array, args: Any
-) -> Model:
-    """Derivatives of all stages.
+class Duals(NamedTuple):
+    """Multipliers of hard rows and inequalities.
 
-    rows : (r,), path : (N, p), final : (t,), multipliers of the hard rows and the inequalities.
+    equality : (N, q).  rows : (r,).  path : (N, p).  final : (t,).
     """
+
+    equality: Array
+    rows: Array
+    path: Array
+    final: Array
+
+
+def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any) -> Model:
+    """Derivatives of all stages."""
     n, size = program.error_size, nodes.u.shape[1]
     dtype = nodes.u.dtype
     rest = jnp.zeros(n, dtype)
 
     def ended(error: Array) -> tuple[Array, Array]:
         x = program.retract(nodes.end, error)
-        return program.final_rows(x, args), program.final_inequality(x, args)
+        return program.final_equalities(x, args), program.final_inequalities(x, args)
 
     def last(error: Array) -> Array:
         hard, soft = ended(error)
-        return jnp.sum(rows * hard) - jnp.sum(final * soft)
+        total = jnp.sum(duals.rows * hard) - jnp.sum(duals.final * soft)
+        if program.terminal_cost is None:
+            return total
+        return total + program.terminal_cost(program.retract(nodes.end, error), args)
 
     values, slopes_at_end = ended(rest), jax.jacfwd(ended)(rest)
 
     at = jnp.zeros(n + size, dtype)
 
     def inequality(z: Array, x: Array, u: Array, stage: Any) -> Array:
-        return program.inequality(program.retract(x, z[:n]), u + z[n:], stage, args)
+        return program.inequalities(program.retract(x, z[:n]), u + z[n:], stage, args)
 
-    def first(x: Array, x_next: Array, u: Array, dual: Array, stage: Any) -> Any:
+    def equality(z: Array, x: Array, u: Array, stage: Any) -> Array:
+        return program.equalities(program.retract(x, z[:n]), u + z[n:], stage, args)
+
+    def first(
+        x: Array, x_next: Array, u: Array, held: Array, dual: Array, stage: Any
+    ) -> tuple[Any, ...]:
         found = linearisation(program, x, u, x_next, stage, args)
-        margins, slope = inequality(at, x, u, stage), jnp.zeros((0, n + size), dtype)
+        margins = inequality(at, x, u, stage)
+        missed = equality(at, x, u, stage)
+        slope = equality_slope = jnp.zeros((0, n + size), dtype)
         by_cost = found.cost
         if margins.shape[0]:
             slope = jax.jacfwd(inequality)(at, x, u, stage)
             by_cost = by_cost - jnp.sum(dual[:, None] * slope, axis=0)
-        return found.gap, found.dynamics, by_cost, margins, slope
+        if missed.shape[0]:
+            equality_slope = jax.jacfwd(equality)(at, x, u, stage)
+            by_cost = by_cost + jnp.sum(held[:, None] * equality_slope, axis=0)
+        return (
+            found.gap,
+            found.dynamics,
+            by_cost,
+            margins,
+            slope,
+            missed,
+            equality_slope,
+            found.kept,
+        )
 
     def backwards(costate: Array, inputs: tuple[Array, Array]) -> tuple[Array, Any]:
         dynamics, by_cost = inputs
         gradient = by_cost + jnp.sum(dynamics * costate[:, None], axis=0)
         return gradient[:n], (gradient, costate)
 
-    def second(x: Array, x_next: Array, u: Array, dual: Array, costate: Array, stage: Any) -> Array:
-        hessian = lagrangian_hessian(program, x, u, x_next, stage, args, costate)
+    def second(
+        x: Array,
+        x_next: Array,
+        u: Array,
+        held: Array,
+        dual: Array,
+        costate: Array,
+        kept: Any,
+        stage: Any,
+    ) -> Array:
+        hessian = lagrangian_hessian(program, x, u, x_next, stage, args, costate, kept)
         if dual.shape[0]:
             hessian = hessian - jax.hessian(lambda z: jnp.sum(dual * inequality(z, x, u, stage)))(
                 at
             )
+        if held.shape[0]:
+            bent = jax.hessian(lambda z: jnp.sum(held * equality(z, x, u, stage)))(at)
+            hessian = hessian + bent
         return hessian
 
     # The recursion of the costates alone is a loop: inside it XLA would compute the rest again for
     # every use, and all stages at once are fewer and larger operations.
     stages, following = program.stages(args), nodes.following
-    inputs = (nodes.x, following, nodes.u, path)
-    gap, dynamics, by_cost, margins, slope = jax.vmap(first)(*inputs, stages)
+    inputs = (nodes.x, following, nodes.u, duals.equality, duals.path)
+    gap, dynamics, by_cost, *derived, kept = jax.vmap(first)(*inputs, stages)
+    margins, slope, missed, equality_slope = derived
     costate, (gradient, costates) = lax.scan(
         backwards, jax.grad(last)(rest), (dynamics, by_cost), reverse=True
     )
-    hessian = jax.vmap(second)(*inputs, costates, stages)
+    hessian = jax.vmap(second)(*inputs, costates, kept, stages)
     return Model(
         gap,
         dynamics,
@@ -139,6 +183,8 @@ def model(
         hessian,
         margins,
         slope,
+        missed,
+        equality_slope,
         values[0],
         slopes_at_end[0],
         values[1],
@@ -161,11 +207,16 @@ def values(program: OptimalControlProgram, nodes: Nodes, args: Any) -> Values:
     """What a line search looks at, without derivatives."""
 
     def at(x: Array, x_next: Array, u: Array, stage: Any) -> tuple[Array, Array, Array]:
-        gap = program.difference(program.dynamics(x, u, stage, args), x_next)
-        cost = program.cost(x, u, stage, args, jnp.zeros((), x.dtype))
-        return cost, jnp.sum(jnp.abs(gap)), program.inequality(x, u, stage, args)
+        ahead, cost = program.next_and_cost(x, u, stage, args)
+        missed = jnp.sum(jnp.abs(program.difference(ahead, x_next)))
+        if program.equality is not None:
+            missed = missed + jnp.sum(jnp.abs(program.equality(x, u, stage, args)))
+        return cost, missed, program.inequalities(x, u, stage, args)
 
     cost, gaps, path = jax.vmap(at)(nodes.x, nodes.following, nodes.u, program.stages(args))
-    rows = program.final_rows(nodes.end, args)
+    rows = program.final_equalities(nodes.end, args)
     unmet = jnp.sum(gaps) + jnp.sum(jnp.abs(rows))
-    return Values(jnp.sum(cost), path, program.final_inequality(nodes.end, args), unmet)
+    total = jnp.sum(cost)
+    if program.terminal_cost is not None:
+        total = total + program.terminal_cost(nodes.end, args)
+    return Values(total, path, program.final_inequalities(nodes.end, args), unmet)

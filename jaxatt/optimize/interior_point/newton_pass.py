@@ -18,7 +18,7 @@ from jaxatt.optimize.interior_point.crossover import (
     active_pairs,
     barrier_pairs,
 )
-from jaxatt.optimize.interior_point.model import Bounded, Nodes, model, values
+from jaxatt.optimize.interior_point.model import Bounded, Duals, Nodes, model, values
 from jaxatt.optimize.interior_point.residuals import Residuals, residuals, unmet
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
@@ -40,9 +40,6 @@ _SHORTER = 0.3
 _MOST_TRIALS = 4
 _PROGRESS = 1e-4
 _NEGLIGIBLE = 1e-7
-_FIRST_SHIFT = 1e-4
-_GROWTH = 4.0
-_SHRINK = 1.5
 _DUAL_RANGE = 1e10
 _STUCK = 1e8
 _TINY = 1e-300
@@ -107,7 +104,9 @@ def advanced(
     tolerance = jnp.asarray(settings.tolerance, dtype)
     penalty = jnp.asarray(settings.row_penalty, dtype)
 
-    found = model(program, point.nodes, point.rows, dual.path, dual.final, args)
+    found = model(
+        program, point.nodes, Duals(point.equality, point.rows, dual.path, dual.final), args
+    )
     far = residuals(found, point, slack, program.free_start)
     violation, stationarity = far.violation, far.stationarity()
     finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
@@ -134,6 +133,7 @@ def advanced(
     moved = search.place.point._replace(
         dual=jax.tree.map(lambda z, dz: z + dual_length * dz, dual, step.dual),
         rows=point.rows + search.length * step.rows,
+        equality=point.equality + search.length * step.equality,
     )
     active = _where(
         beginning,
@@ -143,8 +143,9 @@ def advanced(
     moved = _kept(limits, moved, barrier, crossing_over)
 
     # A model that is not convex, or a step that leads nowhere, asks for more curvature.
-    more = jnp.maximum(_FIRST_SHIFT, jnp.where(state.shift > 0.0, _GROWTH * state.shift, 0.0))
-    less = jnp.where(state.shift < 3.0 * _FIRST_SHIFT, 0.0, state.shift / _SHRINK)
+    by = settings.shifts
+    more = jnp.maximum(by.first, jnp.where(state.shift > 0.0, by.growth * state.shift, 0.0))
+    less = jnp.where(state.shift < by.least, 0.0, state.shift / by.shrink)
     shift = jnp.where(crossing_over, state.shift, jnp.where(accepted, less, more))
     stuck = jnp.where(shift > _STUCK, Status.INFEASIBLE, RUNNING)
     status = jnp.where(finite | crossing_over, stuck, Status.NOT_FINITE)

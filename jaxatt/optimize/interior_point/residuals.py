@@ -22,9 +22,9 @@ def largest(values: Array) -> Array:
 class Residuals(NamedTuple):
     """All () but the last.
 
-    gradient : of the Lagrangian.  gaps : of dynamics and hard rows.  short : by which inequalities
-    miss.  excess : of the inequalities over their slacks.  scale : of gradient and products.
-    products : of slacks and multipliers.
+    gradient : of the Lagrangian.  gaps : of dynamics and all hard rows.  short : by which
+    inequalities miss.  excess : of the inequalities over their slacks.  scale : of gradient and
+    products.  products : of slacks and multipliers.
     """
 
     gradient: Array
@@ -57,10 +57,12 @@ def residuals(found: Model, point: Point, slack: Bounded, free_start: int) -> Re
     dual, n = point.dual, found.costate.shape[0]
     by_control = found.gradient[:, n:] - dual.lower + dual.upper
     by_start = found.costate[n - free_start :]
-    multipliers = jnp.stack([largest(part) for part in (*dual, point.rows)])
+    multipliers = jnp.stack([largest(part) for part in (*dual, point.rows, point.equality)])
     return Residuals(
         gradient=jnp.maximum(largest(by_control), largest(by_start)),
-        gaps=jnp.maximum(largest(found.gap), largest(found.rows)),
+        gaps=jnp.maximum(
+            jnp.maximum(largest(found.gap), largest(found.equality)), largest(found.rows)
+        ),
         short=jnp.maximum(
             largest(jnp.minimum(found.path, 0.0)), largest(jnp.minimum(found.final, 0.0))
         ),

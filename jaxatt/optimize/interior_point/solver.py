@@ -1,14 +1,14 @@
 """Primal-dual interior-point method over stages, from one start; `jax.vmap` makes it many.
 
-    minimise    sum of cost(x_k, u_k)
-    subject to  x_(k+1) = dynamics(x_k, u_k),  final_rows(x_N) = 0,
+    minimise    sum of cost(x_k, u_k) + terminal_cost(x_N)
+    subject to  x_(k+1) = dynamics(x_k, u_k),  equality(x_k, u_k) = 0,  final_rows(x_N) = 0,
                 lower <= u_k <= upper,  inequality(x_k, u_k) >= 0,  final_inequality(x_N) >= 0
 
 over the controls, the states (multiple shooting) and those coordinates of the first state that the
 programme leaves free.  A pass of the loop differentiates all stages twice, makes a Riccati
 recursion for the Newton step of the barrier problem, and moves along it as far as the limits and a
 filter allow.  Second derivatives are exact; where the reduced Hessian is not positive definite the
-curvature is shifted until it is.  Hard rows at the end enter with a large quadratic weight around
+curvature is shifted until it is.  Hard rows enter with a large quadratic weight around
 their multipliers, which is a tiny regularisation of the dual system that the next step corrects.
 
 The end is a crossover (`crossover`): near enough to the solution, one step without a barrier
@@ -67,7 +67,8 @@ class InteriorSolution(NamedTuple):
     x : (N + 1, s), states.  u : (N, b).  objective : ().  status : () a `Status`.
     violation : (), largest of gaps, hard rows and inequalities.  stationarity : (), largest of the
     Lagrangian's scaled gradient and the complementarity.  Both hold at the returned point, with
-    exact derivatives.  rows : (r,) and dual : multipliers.  iterations : () passes.
+    exact derivatives.  rows : (r,), equality : (N, q) and dual : multipliers.  iterations : ()
+    passes.
     """
 
     x: Array
@@ -77,6 +78,7 @@ class InteriorSolution(NamedTuple):
     violation: Array
     stationarity: Array
     rows: Array
+    equality: Array
     dual: Bounded
     iterations: Array
 
@@ -156,6 +158,7 @@ def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
         state.violation,
         state.stationarity,
         point.rows,
+        point.equality,
         point.dual,
         state.iterations,
     )
@@ -194,5 +197,10 @@ def _first_point(
         jnp.maximum(found.path, _PUSH),
         jnp.maximum(found.final, _PUSH),
         Bounded(jnp.zeros_like(found.path), jnp.zeros_like(found.final), nothing, nothing),
-        jnp.zeros_like(program.final_rows(nodes.end, args)),
+        jnp.zeros_like(program.final_equalities(nodes.end, args)),
+        jnp.zeros_like(
+            jax.vmap(lambda x, u, stage: program.equalities(x, u, stage, args))(
+                nodes.x, u, program.stages(args)
+            )
+        ),
     )

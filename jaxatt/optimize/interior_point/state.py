@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
@@ -16,16 +16,36 @@ RUNNING = -1
 """The status of a start that has not ended."""
 
 
+@dataclass(frozen=True)
+class Shifts:
+    """How the curvature is shifted where a model is not convex or a step leads nowhere.
+
+    first : of a row of rejected passes.  growth : from one to the next.  shrink : after an accepted
+    pass; a shift below `least` then becomes 0.
+    """
+
+    first: float
+    growth: float
+    shrink: float
+    least: float
+
+
+LARGE_SHIFTS = Shifts(1e-4, 4.0, 1.5, 3.0 * 1e-4)
+"""For controls that are pushed to their limits, where little depends on the curvature."""
+SMALL_SHIFTS = Shifts(1e-5, 6.0, 2.0, 2e-7)
+"""For nearly singular problems, which need a little of it nearly all the time."""
+
+
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class InteriorSettings:
-    """Settings; all are traced.
+    """Settings; all but the shifts are traced.
 
     tolerance : of violation, scaled stationarity and complementarity.
     barrier : the first one.  factor, power : a solved barrier b becomes min(factor b, b^power).
-    row_penalty : of the hard rows at the end, and of active limits in the crossover.
-    finish_from : barrier from which the crossover may be tried; 0 for never.
-    max_iterations : passes.
+    row_penalty : of the hard rows, and of active limits in the crossover.
+    crossover_from : barrier from which the crossover may be tried; 0 for never.
+    max_iterations : passes.  shifts : of the curvature.
     """
 
     tolerance: float = 1e-8
@@ -35,16 +55,18 @@ class InteriorSettings:
     row_penalty: float = 1e7
     crossover_from: float = 1e-3
     max_iterations: int = 200
+    shifts: Shifts = field(default=LARGE_SHIFTS, metadata={"static": True})
 
 
 class Point(NamedTuple):
-    """path, final : values that the inequalities are to take.  dual, rows : multipliers."""
+    """path, final : values that the inequalities are to take.  The others are multipliers."""
 
     nodes: Nodes
     path: Array
     final: Array
     dual: Bounded
     rows: Array
+    equality: Array
 
 
 class Place(NamedTuple):

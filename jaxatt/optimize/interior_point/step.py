@@ -18,7 +18,8 @@ _LEAST_PIVOT = 1e-11
 class Step(NamedTuple):
     """A step of everything.
 
-    x : (N, n) and end : (n,), errors of the states.  u : (N, b).  rows : (r,), of multipliers.
+    x : (N, n) and end : (n,), errors of the states.  u : (N, b).
+    equality : (N, q) and rows : (r,), of multipliers.
     slack, dual : of the inequalities.
     convex : (), whether the model was, on what the dynamics leave free; otherwise it is no step.
     """
@@ -26,6 +27,7 @@ class Step(NamedTuple):
     x: Array
     end: Array
     u: Array
+    equality: Array
     rows: Array
     slack: Bounded
     dual: Bounded
@@ -74,6 +76,11 @@ def newton_step(
     gradient = jnp.concatenate([jnp.zeros((count, n), dtype), model.gradient[:, n:] + by_limits], 1)
     gradient = gradient + jnp.sum(model.path_slope * at_path[..., None], axis=1)
     hessian = model.hessian + _weighted(model.path_slope, stiffness.path)
+    if model.equality.shape[-1]:
+        pulled = row_penalty * model.equality
+        gradient = gradient + jnp.sum(model.equality_slope * pulled[..., None], axis=1)
+        weight = jnp.broadcast_to(row_penalty, model.equality.shape)
+        hessian = hessian + _weighted(model.equality_slope, weight)
     diagonal = jnp.concatenate([jnp.zeros((count, n), dtype), diagonal], axis=1)
     last = model.final_hessian + _weighted(
         model.rows_slope, jnp.broadcast_to(row_penalty, model.rows.shape)
@@ -123,4 +130,5 @@ def newton_step(
         lambda a, z, q, ds: a - z - q * ds, target, dual, stiffness, slack_step
     )
     rows = row_penalty * (model.rows + _times(model.rows_slope, end))
-    return Step(x, end, u, rows, slack_step, dual_step, least > _LEAST_PIVOT)
+    equality = row_penalty * (model.equality + _times(model.equality_slope, moved))
+    return Step(x, end, u, equality, rows, slack_step, dual_step, least > _LEAST_PIVOT)

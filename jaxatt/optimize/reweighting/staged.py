@@ -102,7 +102,7 @@ def sparsify_stages(
         def rows(error: Array) -> Rows:
             return final_rows(program, program.retract(end, error), args)
 
-        weight = program.final_weight(args)
+        weight = program.final_weights(args)
         values, jacobian = differentiated(rows, jnp.zeros(n, dtype))
         held = Rows(jnp.zeros_like(values.equality), multipliers)
         model = penalty_model(values, jacobian, held, weight, row_penalty, path_penalty)
@@ -123,7 +123,7 @@ def sparsify_stages(
             value, worst = carry
             u, matrix, values, model, weight, loose, forced, stage = inputs
 
-            row_weight = program.equality_weight(stage, args)
+            row_weight = program.equality_weights(stage, args)
             worst = jnp.maximum(worst, jnp.max(-values.inequality, initial=0.0))
             hard = jnp.where(jnp.isinf(row_weight), jnp.abs(values.equality), 0.0)
             worst = jnp.maximum(worst, jnp.max(hard, initial=0.0))
@@ -170,7 +170,7 @@ def sparsify_stages(
         )
         return _Point(flown, support, over, path, final_multipliers), worst
 
-    last = jax.eval_shape(lambda: program.final_inequality(end, args))
+    last = jax.eval_shape(lambda: program.final_inequalities(end, args))
     start = _Point(
         Trajectory(x, end, first),
         free,

@@ -106,14 +106,14 @@ def merit(
         cost = program.cost(x, u, stage, args, terms.smoothing)
         if not objective_only:
             rows = stage_rows(program, x, u, stage, args)
-            weight = program.equality_weight(stage, args)
+            weight = program.equality_weights(stage, args)
             cost = cost + _penalised(rows, multipliers, weight, terms)
         return total + cost, None
 
     last = jnp.zeros((), flown.u.dtype)
     if not objective_only:
         rows = final_rows(program, flown.end, args)
-        last = _penalised(rows, terms.multipliers.final, program.final_weight(args), terms)
+        last = _penalised(rows, terms.multipliers.final, program.final_weights(args), terms)
     inputs = (flown.x, flown.u, program.stages(args), terms.multipliers.stage)
     return lax.scan(add, last, inputs)[0]
 
@@ -150,7 +150,7 @@ def sweep(
     def last(error: Array) -> Rows:
         return final_rows(program, program.retract(flown.end, error), args)
 
-    final_weight = program.final_weight(args)
+    final_weight = program.final_weights(args)
     rows, jacobian = differentiated(last, zeros)
     model = penalty_model(
         rows,
@@ -172,7 +172,7 @@ def sweep(
     def backwards(carry: tuple[Array, Array, _Tally], inputs: Any) -> tuple[Any, Any]:
         value, costate, tally = carry
         x, x_next, u, matrix, rows, model, multipliers, stage = inputs
-        weight = program.equality_weight(stage, args)
+        weight = program.equality_weights(stage, args)
 
         def through(z: Array) -> tuple[Array, Array]:
             x_moved, u_moved = program.retract(x, z[:n]), u + z[n:]
@@ -183,9 +183,9 @@ def sweep(
         at = jnp.zeros(n + size, dtype)
         gradient, cost = jax.grad(through, has_aux=True)(at)
         gradient = gradient + model.gradient
-        free = jnp.broadcast_to(program.free(stage, args), u.shape)
+        free = jnp.broadcast_to(program.free_controls(stage, args), u.shape)
         by_control = gradient[n:] * free
-        curvature = program.curvature(x, u, stage, args, terms.smoothing)
+        curvature = program.cost_curvature(x, u, stage, args, terms.smoothing)
         value, law, slope, _ = backward_step(
             value,
             StageModel(matrix, curvature + model.hessian, jnp.concatenate([zeros, by_control])),

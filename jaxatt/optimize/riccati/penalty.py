@@ -52,12 +52,12 @@ def differentiated(rows: Callable[[Array], Rows], at: Array) -> tuple[Rows, Arra
 
 def stage_rows(program: OptimalControlProgram, x: Array, u: Array, stage: Any, args: Any) -> Rows:
     """Rows of one stage."""
-    return Rows(program.equality(x, u, stage, args), program.inequality(x, u, stage, args))
+    return Rows(program.equalities(x, u, stage, args), program.inequalities(x, u, stage, args))
 
 
 def final_rows(program: OptimalControlProgram, x: Array, args: Any) -> Rows:
     """Rows of the last state."""
-    return Rows(program.final_rows(x, args), program.final_inequality(x, args))
+    return Rows(program.final_equalities(x, args), program.final_inequalities(x, args))
 
 
 def rows_along(program: OptimalControlProgram, flown: Trajectory, args: Any) -> tuple[Rows, Array]:
@@ -90,7 +90,7 @@ def models_along(
 
     def at(_: None, inputs: tuple[Rows, Array, Rows, Any]) -> tuple[None, PenaltyModel]:
         values, jacobian, held, stage = inputs
-        weight = program.equality_weight(stage, args)
+        weight = program.equality_weights(stage, args)
         return None, penalty_model(values, jacobian, held, weight, penalty, stage_penalty)
 
     rows, jacobians = rows_along(program, flown, args)

@@ -57,11 +57,14 @@ def sparse_stages(
         return jnp.pad(block + args.effort_scale * spent, ((n, 0), (n, 0)))
 
     def inequality(x: Array, u: Array, stage: Sparse, args: SparseArguments) -> Array:
-        path = base.inequality(x, u, stage[0], args)
+        path = base.inequalities(x, u, stage[0], args)
         if not limited:
             return path
         relative = jnp.sum(limits(args.plant) * u[None], axis=1)
         return jnp.concatenate([path, 1.0 - relative, 1.0 + relative])
+
+    def equality_weight(stage: Sparse, args: SparseArguments) -> Array:
+        return base.equality_weights(stage[0], args)
 
     def linearise(x: Array, u: Array, x_next: Array, stage: Sparse, args: Any) -> Array:
         return base.derivatives(x, u, x_next, stage[0], args)
@@ -72,9 +75,9 @@ def sparse_stages(
         dynamics=_inner(base.dynamics),
         cost=cost,
         curvature=curvature,
-        equality=_inner(base.equality),
-        equality_weight=lambda stage, args: base.equality_weight(stage[0], args),
-        inequality=inequality,
+        equality=None if base.equality is None else _inner(base.equality),
+        equality_weight=None if base.equality_weight is None else equality_weight,
+        inequality=inequality if limited or base.inequality is not None else None,
         free=lambda stage, args: stage[2],
         linearise=linearise,
     )

@@ -110,7 +110,7 @@ def _missed_by(form: ReorientationForm, size: int) -> Callable[..., Array]:
         start = tuple(p.start[i] for i in range(body.size))
         end, _ = lax.scan(arc, start, (lengths, levels))
         x = jnp.stack((*end, jnp.zeros((), lengths.dtype)))
-        return program.final_rows(x, p)
+        return program.final_equalities(x, p)
 
     return missed
 

@@ -69,7 +69,7 @@ def _rotation(q: Components) -> list[list[Array]]:
 
 
 class IntervalDerivatives:
-    """`OptimalControlProgram.slopes` and `lagrangian_hessian` of a reorientation with quaternions.
+    """First and second derivatives of a reorientation with quaternions, for its programme.
 
     impulses : controls whose impulse is a state.  size : b.
     """
@@ -112,7 +112,7 @@ class IntervalDerivatives:
     def linearisation(
         self, x: Array, u: Array, x_next: Array, share: Array, p: ReorientationParameters
     ) -> Linearisation:
-        """See `OptimalControlProgram.slopes`."""
+        """See `OptimalControlProgram.linearisation`."""
         dtype, spin, impulses = x.dtype, self.spin, self.impulses
         h = share * jnp.exp(x[-1])
         y = jnp.concatenate([x[4 : 4 + spin], self._drive(p, u)])
@@ -177,8 +177,9 @@ class IntervalDerivatives:
         share: Array,
         p: ReorientationParameters,
         costate: Array,
+        kept: object,
     ) -> Array:
-        """See `OptimalControlProgram.bending`.
+        """See `OptimalControlProgram.lagrangian_hessian`.
 
         Of cost + by_turn . phi + by_spin . (spin + h spin') + by_impulse . h u, with the coarser
         turn phi = h omega + h^2/2 omega'; spin' is linear in the torques.  Entry by entry, because

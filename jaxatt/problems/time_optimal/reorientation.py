@@ -93,6 +93,7 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
     carried, turn = body.size, body.attitude_size
     impulses = size if form.speed_limited else 0
     closed = IntervalDerivatives(body, impulses, size)
+    limited = form.cones or form.rate_limited or form.speed_limited
 
     def start(p: ReorientationParameters) -> Array:
         return jnp.concatenate([p.start, jnp.zeros(impulses, p.start.dtype), jnp.log(p.step)[None]])
@@ -124,11 +125,9 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
             )
             relative = (p.wheel_speed + spun - turned) / p.speed_limit
             rows += [1.0 - relative, 1.0 + relative]
-        return jnp.concatenate(rows) if rows else jnp.zeros((0,), x.dtype)
+        return jnp.concatenate(rows)
 
     def final_inequality(x: Array, p: ReorientationParameters) -> Array:
-        if not form.time_limited:
-            return jnp.zeros((0,), x.dtype)
         duration = jnp.sum(p.share) * jnp.exp(x[-1])
         return jnp.stack([duration / p.shortest - 1.0, 1.0 - duration / p.longest])
 
@@ -137,11 +136,10 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         stages=lambda p: p.share,
         dynamics=dynamics,
         cost=cost,
-        curvature=_unused,
         error_size=carried - turn + 3 + impulses + 1,
-        inequality=inequality,
+        inequality=inequality if limited else None,
         final_rows=final_rows,
-        final_inequality=final_inequality,
+        final_inequality=final_inequality if form.time_limited else None,
         limits=lambda share, p: (p.lower, p.upper),
         free_start=1,
     )
@@ -154,7 +152,3 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         linearisation=closed.linearisation,
         lagrangian_hessian=closed.lagrangian_hessian,
     )
-
-
-def _unused(*_: object) -> Array:
-    raise NotImplementedError("the interior-point method differentiates the cost itself")

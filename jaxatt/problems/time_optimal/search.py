@@ -90,7 +90,7 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     status = np.where(finite, solution.status, int(Status.NOT_FINITE))
     cost = task.cost(torque, step)
     best, minima, share = _ranked(cost, status, verdict)
-    rows = jax.vmap(task.program.final_rows, in_axes=(0, None))(
+    rows = jax.vmap(task.program.final_equalities, in_axes=(0, None))(
         jnp.asarray(np.nan_to_num(solution.x[:, -1])), task.parameters
     )
     turned = np.asarray(rows)[:, :3]

@@ -57,12 +57,12 @@ def test_stages_fly_as_the_roll_out_does(name, form, speed):
         exact = exact_derivatives(program, *at)
         speeds = wheel_speeds(u, args.plant, form)
         rows = terminal_rows(u, args.plant, form)
-        margins = program.final_inequality(end, args)
-        waypoint = jax.vmap(lambda x, k: program.equality(x, u[0], k, args))(
+        margins = program.final_inequalities(end, args)
+        waypoint = jax.vmap(lambda x, k: program.equalities(x, u[0], k, args))(
             nodes, program.stages(args)
         )
         found = program.derivatives(*at)
-        return program.final_rows(end, args), rows, margins, speeds, waypoint, found, exact
+        return program.final_equalities(end, args), rows, margins, speeds, waypoint, found, exact
 
     final, rows, margins, speeds, waypoint, found, exact = both(u)
     np.testing.assert_allclose(final[:6], rows[:6], rtol=1e-10, atol=1e-12)

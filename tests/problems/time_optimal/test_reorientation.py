@@ -49,7 +49,7 @@ CASES = {
 def derivatives(program, x, u, x_next, args, costate):
     share = jnp.ones(())
     return (
-        *linearisation(program, x, u, x_next, share, args),
+        *linearisation(program, x, u, x_next, share, args)[:3],
         lagrangian_hessian(program, x, u, x_next, share, args, costate),
     )
 

@@ -1,0 +1,144 @@
+"""Whether parameters fit a problem in continuous time: shapes, bounds, first values, the manifold.
+
+All of it happens before anything is solved; what is wrong is named, with what was expected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.optimize.transcription.continuous import Continuous
+from jaxatt.optimize.transcription.inputs import crossing
+from jaxatt.runtime.settings import RUNS_ONCE
+
+_SMALL = 1e-3
+_AGREES = 1e-6
+"""Difference between an error and what becomes of it by retract and difference."""
+
+
+def check_arrays(p: Any) -> None:
+    """Raise ValueError for the first parameter that is not an array of numbers."""
+    for path, leaf in jax.tree_util.tree_flatten_with_path(p, is_leaf=lambda x: x is None)[0]:
+        try:
+            kind = np.asarray(leaf).dtype.kind
+        except (TypeError, ValueError):
+            kind = "O"
+        if kind not in "biuf" or isinstance(leaf, (list, tuple)):
+            raise ValueError(
+                f"parameters{jax.tree_util.keystr(path)} is {leaf!r}, of type "
+                f"{type(leaf).__name__}; every parameter has to be an array of real numbers"
+            )
+
+
+def check_parameters(of: Continuous, p: Any) -> None:
+    """Raise ValueError where the parameters, or the functions of them, do not make sense."""
+    check_arrays(p)
+    start = _value("initial_state", of.initial_state, (of.states,), p)
+    if not np.isfinite(start).all():
+        raise ValueError(f"initial_state is {start}; finite numbers are expected")
+    if of.duration is not None:
+        final = _value("final_time", of.duration, (), p)
+        if not 0.0 < final < np.inf:
+            raise ValueError(f"final_time is {final}; a positive number [s] is expected")
+    if of.control_bounds is not None:
+        lower, upper = of.control_bounds(p)
+        crossing("control_bounds", np.asarray(lower), np.asarray(upper))
+    _check_rows(of, p)
+    if of.retract is not None:
+        _check_manifold(of, jnp.asarray(start))
+
+
+def _value(name: str, function: Callable[[Any], Array], shape: tuple[int, ...], p: Any) -> Any:
+    found = np.asarray(function(p))
+    if found.shape != shape:
+        raise ValueError(f"{name} has shape {found.shape}; {shape} is expected")
+    return found
+
+
+def _rows(of: Continuous) -> dict[str, tuple[Any, tuple[int, ...] | None, bool]]:
+    """The user's functions by name: with the shape that is expected, None for rows of any number,
+    and whether they are of the last state only."""
+    every = {
+        "dynamics": (of.dynamics, (of.states,), False),
+        "running_cost": (of.running_cost, (), False),
+        "path_equality": (of.path_equality, None, False),
+        "path_inequality": (of.path_inequality, None, False),
+        "terminal_cost": (of.terminal_cost, (), True),
+        "terminal_equality": (of.terminal_equality, None, True),
+        "terminal_inequality": (of.terminal_inequality, None, True),
+    }
+    return {name: row for name, row in every.items() if row[0] is not None}
+
+
+def _check_rows(of: Continuous, p: Any) -> None:
+    """Shapes, and numbers, of all functions and their derivatives at the first state."""
+    rows = _rows(of)
+    # A time of zero could hide what happens later, but the first evaluation is at the start.
+    y = of.guess(p)
+    when = jnp.zeros(())
+
+    def evaluated(name: str, y: Array, v: Array, p: Any) -> Array:
+        function, _, last = rows[name]
+        extras = of.extras(y, when, p)
+        x = y[: of.states]
+        found = function(x, p, extras) if last else function(x, of.unscaled(v, p), p, extras)
+        return jnp.asarray(found)
+
+    v = jnp.zeros(of.controls)
+    for name, (_, expected, _) in rows.items():
+        shape = jax.eval_shape(lambda y, v, p, name=name: evaluated(name, y, v, p), y, v, p).shape
+        fits = len(shape) <= 1 if expected is None else shape == expected
+        if not fits:
+            wanted = "() or (rows,)" if expected is None else f"{expected}"
+            raise ValueError(f"{name} returns an array of shape {shape}; {wanted} is expected")
+
+    def everything(y: Array, v: Array, p: Any) -> dict[str, Array]:
+        return {name: evaluated(name, y, v, p) for name in rows}
+
+    def derived(y: Array, v: Array, p: Any) -> Any:
+        return everything(y, v, p), jax.jacfwd(everything, argnums=(0, 1))(y, v, p)
+
+    values, slopes = jax.jit(derived, compiler_options=RUNS_ONCE)(y, v, p)
+    where = f"x = {np.asarray(y[: of.states])}, u = {np.asarray(of.unscaled(v, p))}"
+    for name in rows:
+        value = np.asarray(values[name])
+        if not np.isfinite(value).all():
+            raise ValueError(
+                f"{name} is {value} at the first evaluation, {where}; finite numbers are expected"
+            )
+        if not all(np.isfinite(np.asarray(slope)).all() for slope in slopes[name]):
+            raise ValueError(
+                f"{name} has a derivative that is not finite at the first evaluation, {where}; "
+                "write it so that it can be differentiated there"
+            )
+
+
+def _check_manifold(of: Continuous, x: Array) -> None:
+    """retract(x, 0) = x and difference(retract(x, e), x) = e, for a few small errors."""
+    assert of.retract is not None and of.difference is not None
+    n, s = of.error_size, of.states
+    moved = jax.eval_shape(of.retract, x, jnp.zeros(n)).shape
+    if moved != (s,):
+        raise ValueError(f"retract returns an array of shape {moved}; ({s},) is expected")
+    missed = jax.eval_shape(of.difference, x, x).shape
+    if missed != (n,):
+        raise ValueError(
+            f"difference returns an array of shape {missed}; ({n},), error_size, is expected"
+        )
+    rng = np.random.default_rng(0)
+    for error in (np.zeros(n), *(_SMALL * rng.normal(size=(3, n)))):
+        back = np.asarray(of.difference(of.retract(x, jnp.asarray(error)), x))
+        if not np.abs(back - error).max() <= _AGREES:
+            raise ValueError(
+                f"retract and difference disagree at x = {np.asarray(x)}: "
+                f"difference(retract(x, e), x) is {back} for e = {error}, and e is expected"
+            )
+    same = np.asarray(of.retract(x, jnp.zeros(n)))
+    if not np.abs(same - np.asarray(x)).max() <= _AGREES:
+        raise ValueError(f"retract(x, 0) is {same} at x = {np.asarray(x)}; x is expected")
