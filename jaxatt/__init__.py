@@ -1,8 +1,8 @@
 """Differentiable spacecraft attitude simulation and batched trajectory optimisation in JAX."""
 
 from jaxatt import scenarios
+from jaxatt.multistart.minimize import Minimum, minimize
 from jaxatt.pipeline.certify import certify
-from jaxatt.pipeline.minimize import Minimum, minimize
 from jaxatt.pipeline.simulate import simulate
 from jaxatt.pipeline.solve import solve
 from jaxatt.problems.hands_off.report.certificate import Certificate

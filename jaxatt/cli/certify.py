@@ -8,6 +8,9 @@ import typer
 
 from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
 from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts
+from jaxatt.pipeline.certify import MOST_SUPPORTS
+from jaxatt.pipeline.certify import certify as run
+from jaxatt.runtime.progress import Reporter
 
 
 def certify(
@@ -36,9 +39,6 @@ def certify(
     with clean_exit():
         scenario, folder = prepared(case, changes, out)
         prepare_jax(compile_cache)
-        from jaxatt.pipeline.certify import MOST_SUPPORTS
-        from jaxatt.pipeline.certify import certify as run
-        from jaxatt.runtime.progress import Reporter
 
         with Reporter(scenario.solver.starts, quiet) as report:
             certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)

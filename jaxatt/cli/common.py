@@ -5,30 +5,29 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
+from rich.console import Console, RenderableType
 
-if TYPE_CHECKING:
-    from rich.console import RenderableType
-
-    from jaxatt.report.result import Result
-    from jaxatt.scenarios import Scenario
+from jaxatt import scenarios
+from jaxatt.drawing.rendering import as_text
+from jaxatt.report.result import Result
+from jaxatt.runtime.files import OutputError, prepare_folder
+from jaxatt.runtime.settings import configure
+from jaxatt.scenarios import Scenario, ScenarioError
 
 BAD_INPUT, NOT_REACHED, INTERRUPTED = 2, 3, 130
 
 
 def prepare_jax(cache: Path | None = None) -> None:
     """Set JAX up for this process, before anything is computed."""
-    from jaxatt.runtime.settings import configure
 
     configure(cache=cache)
 
 
 def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:
     """Load the scenario and prepare the output folder, so that bad input fails before the solve."""
-    from jaxatt import scenarios
-    from jaxatt.runtime.files import prepare_folder
 
     scenario = scenarios.load(case)
     given = {key: value for key, value in changes.items() if value is not None}
@@ -39,9 +38,6 @@ def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scen
 
 def show(table: RenderableType) -> None:
     """Print a table, as plain text where the output is no terminal."""
-    from rich.console import Console
-
-    from jaxatt.drawing.rendering import as_text
 
     console = Console()
     if console.is_terminal:
@@ -82,8 +78,6 @@ def shortfall(result: Result) -> str:
 @contextmanager
 def clean_exit() -> Iterator[None]:
     """Turn bad input and interruption into a message and an exit code."""
-    from jaxatt.runtime.files import OutputError
-    from jaxatt.scenarios import ScenarioError
 
     try:
         yield

@@ -16,6 +16,13 @@ from jaxatt.cli.common import (
     show,
 )
 from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.problems.reading.documents import read_file
+from jaxatt.runtime.files import prepare_folder
+from jaxatt.runtime.progress import Reporter
+from jaxatt.scenarios import kind_of, load_flight
+from jaxatt.studies.comparison import compare as run
+from jaxatt.studies.flight_comparison import compare_flight
+from jaxatt.studies.imaging import compare_imaging
 
 
 def compare(
@@ -37,8 +44,6 @@ def compare(
             return
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
         prepare_jax(compile_cache)
-        from jaxatt.runtime.progress import Reporter
-        from jaxatt.studies.comparison import compare as run
 
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, report=report)
@@ -55,7 +60,6 @@ def compare(
 
 def _kind(case: str) -> str:
     """Kind of case that a name or file describes; a file with laws is a flight."""
-    from jaxatt.scenarios import kind_of
 
     known = kind_of(case)
     if known is not None:
@@ -67,12 +71,8 @@ def _kind(case: str) -> str:
 def _compare_flight(
     case: str, seed: int | None, out: Path | None, cache: Path | None, quiet: bool
 ) -> None:
-    from jaxatt.runtime.files import prepare_folder
 
     prepare_jax(cache)
-    from jaxatt.runtime.progress import Reporter
-    from jaxatt.scenarios import load_flight
-    from jaxatt.studies.flight_comparison import compare_flight
 
     flight = load_flight(case)
     folder = prepare_folder(out or Path("results") / flight.name)
@@ -84,11 +84,9 @@ def _compare_flight(
 
 
 def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
-    from jaxatt.runtime.files import prepare_folder
 
     folder = prepare_folder(out or Path("results") / case)
     prepare_jax()
-    from jaxatt.studies.imaging import compare_imaging
 
     found = compare_imaging()
     if not quiet:

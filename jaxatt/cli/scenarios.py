@@ -7,6 +7,8 @@ from typing import Annotated
 import typer
 
 from jaxatt.cli.common import clean_exit
+from jaxatt.scenarios import text
+from jaxatt.scenarios.bundled import KINDS, titles
 
 scenarios = typer.Typer(help="List the bundled scenarios, or print one as TOML.")
 
@@ -16,7 +18,6 @@ def list_scenarios(context: typer.Context) -> None:
     """List the bundled scenarios, one line each."""
     if context.invoked_subcommand is not None:
         return
-    from jaxatt.scenarios.bundled import KINDS, titles
 
     known = {name: title for kind in KINDS for name, title in titles(kind).items()}
     width = max(len(name) for name in known)
@@ -30,6 +31,4 @@ def show_scenario(
 ) -> None:
     """Print a bundled scenario as TOML, to be changed and solved."""
     with clean_exit():
-        from jaxatt.scenarios import text
-
         typer.echo(text(name), nl=False)

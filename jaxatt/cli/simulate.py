@@ -9,6 +9,11 @@ import typer
 
 from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
 from jaxatt.cli.options import Cache, Flight, Out, Quiet
+from jaxatt.pipeline.simulate import simulate as run
+from jaxatt.report.flight_table import flight_table
+from jaxatt.runtime.files import prepare_folder
+from jaxatt.runtime.progress import Reporter
+from jaxatt.scenarios import load_flight
 
 
 def simulate(
@@ -32,15 +37,9 @@ def simulate(
 ) -> None:
     """Fly a feedback law, once or in a campaign of thousands of runs."""
     with clean_exit():
-        from jaxatt.runtime.files import prepare_folder
-        from jaxatt.scenarios import load_flight
-
         prepare_jax(compile_cache)
         flight = load_flight(case)
         folder = prepare_folder(out or Path("results") / flight.name)
-        from jaxatt.pipeline.simulate import simulate as run
-        from jaxatt.report.flight_table import flight_table
-        from jaxatt.runtime.progress import Reporter
 
         with Reporter(runs or 1, quiet) as report:
             result = run(flight, law, runs=runs, seed=seed, report=report)

@@ -16,6 +16,9 @@ from jaxatt.cli.common import (
     show,
 )
 from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts, Terminal
+from jaxatt.pipeline.solve import solve as find
+from jaxatt.report.tables import do_nothing_sentence, result_table
+from jaxatt.runtime.progress import Reporter
 
 
 def solve(
@@ -43,9 +46,6 @@ def solve(
     with clean_exit():
         scenario, folder = prepared(case, changes, out)
         prepare_jax(compile_cache)
-        from jaxatt.pipeline.solve import solve as find
-        from jaxatt.report.tables import do_nothing_sentence, result_table
-        from jaxatt.runtime.progress import Reporter
 
         with Reporter(scenario.solver.starts, quiet) as report:
             result = find(scenario, report=report)

@@ -8,6 +8,9 @@ import typer
 
 from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared, show
 from jaxatt.cli.options import Cache, Case, Out, Quiet
+from jaxatt.report.tables import sparsity_table
+from jaxatt.runtime.progress import Reporter
+from jaxatt.studies.relative_sparsity import relative_sparsity
 
 
 def sparsity(
@@ -30,9 +33,6 @@ def sparsity(
         if not all(count >= 2 and count == int(count) for count in counts):
             raise typer.BadParameter(f"{intervals}: give whole numbers of at least 2")
         prepare_jax(compile_cache)
-        from jaxatt.report.tables import sparsity_table
-        from jaxatt.runtime.progress import Reporter
-        from jaxatt.studies.relative_sparsity import relative_sparsity
 
         with Reporter(starts, quiet) as report:
             study = relative_sparsity(

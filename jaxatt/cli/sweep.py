@@ -9,6 +9,10 @@ import typer
 
 from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
 from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts
+from jaxatt.runtime.files import prepare_folder
+from jaxatt.runtime.progress import Reporter
+from jaxatt.scenarios import load
+from jaxatt.studies.effort_sweep import WEIGHTS, sweep_effort
 
 
 def sweep(
@@ -28,14 +32,10 @@ def sweep(
     """Compute time and effort against the weight of effort, and the front between the two."""
     with clean_exit():
         weights = None if rho is None else _weights(rho)
-        from jaxatt.runtime.files import prepare_folder
-        from jaxatt.scenarios import load
 
         loaded = [load(case) for case in cases]
         folder = prepare_folder(out or Path("results") / "-".join(case.name for case in loaded))
         prepare_jax(compile_cache)
-        from jaxatt.runtime.progress import Reporter
-        from jaxatt.studies.effort_sweep import WEIGHTS, sweep_effort
 
         with Reporter(starts or loaded[0].solver.starts, quiet) as report:
             found = sweep_effort(loaded, weights or WEIGHTS, starts, seed, report)

@@ -16,14 +16,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
+from jaxatt.multistart.minimize import minimize
 from jaxatt.optimize.status import Status
-from jaxatt.pipeline.minimize import minimize
 from jaxatt.problems.time_optimal.derivatives import torques
-from jaxatt.problems.time_optimal.reorientation import (
-    ReorientationForm,
-    ReorientationParameters,
-    reorientation,
-)
+from jaxatt.problems.time_optimal.parameters import ReorientationParameters
+from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.search import FreeTimeFound
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.arrays import Floats

@@ -22,12 +22,9 @@ from jaxatt.optimize.interior_point.solver import (
     outcome,
     running,
 )
+from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.random_paths import Paths
-from jaxatt.problems.time_optimal.reorientation import (
-    ReorientationForm,
-    ReorientationParameters,
-    reorientation,
-)
+from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for

@@ -10,18 +10,14 @@ gaps and momentum are small: Newton's method then converges a little slower, to 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import jax
 import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize.optimal_control import Linearisation
+from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.simulation.free_body import BodyForm, derivative, step
 from jaxatt.simulation.momentum_model import Components, cross
-
-if TYPE_CHECKING:
-    from jaxatt.problems.time_optimal.reorientation import ReorientationParameters
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 

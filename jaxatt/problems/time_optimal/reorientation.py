@@ -17,7 +17,6 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass, replace
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
@@ -25,53 +24,10 @@ from jaxatt.attitude import mrp
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.hands_off.slew import stages as slew_stages
 from jaxatt.problems.hands_off.slew.model import RATE_SCALE, attitude_row
-from jaxatt.problems.pointing.cones import PointingLimits, pointing_margins
+from jaxatt.problems.pointing.cones import pointing_margins
 from jaxatt.problems.time_optimal.derivatives import IntervalDerivatives, torques
-from jaxatt.simulation.free_body import BodyForm, FreeBody, step
-
-
-@jax.tree_util.register_dataclass
-@dataclass(frozen=True)
-class ReorientationParameters:
-    """All numbers of a reorientation; every leaf may be batched, swept or differentiated.
-
-    body : inertias.
-    start : (s,), attitude, rate and, where it is carried, momentum at the first node.
-    step : () [s], mean interval that a start begins with.
-    share : (N,), lengths of the intervals in units of the mean one.
-    reference : (4,) or (3,), target attitude; its sign or set selects the way round.
-    reference_rate : (3,) [rad/s].
-    to_body, to_external : (3, b) [N m], torque on the wheels and of the thrusters in body axes, of
-        a unit of each scaled control.
-    lower, upper : (b,), limits of the scaled controls.  scale : (b,) [N m].
-    effort_weight : () [1/(N m)^2], rho.
-    shortest, longest : () [s], limits of the final time; 0 and inf where there are none.
-    limits : cones and rate limits.  directions : (m, 3), of the cones, in inertial axes.
-    wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
-    to_wheels : (n, b) [N m]; speed_limit : (n,) [rad/s].
-    """
-
-    body: FreeBody
-    start: Array
-    step: Array
-    share: Array
-    reference: Array
-    reference_rate: Array
-    to_body: Array
-    to_external: Array
-    lower: Array
-    upper: Array
-    scale: Array
-    effort_weight: Array
-    shortest: Array
-    longest: Array
-    limits: PointingLimits
-    directions: Array
-    wheel_speed: Array
-    wheel_axes: Array
-    wheel_inertia: Array
-    to_wheels: Array
-    speed_limit: Array
+from jaxatt.problems.time_optimal.parameters import ReorientationParameters
+from jaxatt.simulation.free_body import BodyForm, step
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,8 @@ from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.cones import PointingLimits, cone_angles
 from jaxatt.problems.pointing.watch import ObservedPath
 from jaxatt.problems.time_optimal.actuation import actuation
-from jaxatt.problems.time_optimal.reorientation import (
-    ReorientationForm,
-    ReorientationParameters,
-    reorientation,
-)
+from jaxatt.problems.time_optimal.parameters import ReorientationParameters
+from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
