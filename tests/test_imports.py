@@ -21,15 +21,6 @@ FILES = {
     for file in sorted(ROOT.rglob("*.py"))
 }
 
-STILL_WITHIN = {
-    "jaxatt.problems.time_optimal.derivatives",
-    "jaxatt.report.certificate_report",
-    "jaxatt.report.flight_result",
-    "jaxatt.report.result",
-}
-"""Files with imports inside functions or under TYPE_CHECKING that have to go."""
-
-
 def imported(node: ast.Import | ast.ImportFrom, files: dict[str, Path]) -> set[str]:
     """Those of the package's files that a statement imports."""
     if isinstance(node, ast.Import):
@@ -72,9 +63,7 @@ def function():
 
 
 def test_imports_stand_at_the_top(found: dict[str, tuple[set[str], set[str]]]) -> None:
-    # A command loads what it needs when it is called: help must not wait for JAX.
-    within = {n for n, (_, later) in found.items() if later and not n.startswith("jaxatt.cli.")}
-    assert within <= STILL_WITHIN
+    assert not [name for name, (_, later) in found.items() if later]
 
 
 def test_no_circle_among_files(found: dict[str, tuple[set[str], set[str]]]) -> None:
