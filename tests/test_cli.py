@@ -9,7 +9,6 @@ import handmade_results
 import pytest
 from typer.testing import CliRunner
 
-import jaxatt.pipeline.solve
 from jaxatt import scenarios
 from jaxatt.cli import app
 from jaxatt.report.archive import open_archive
@@ -94,7 +93,7 @@ def answer(make, result: Result):
         report("polishing", 4)
         return result
 
-    make.setattr(jaxatt.pipeline.solve, "solve", solve)
+    make.setattr(sys.modules["jaxatt.cli.solve"], "find", solve)
 
 
 def test_progress_is_told_in_lines_where_there_is_no_terminal(here, monkeypatch):
@@ -136,7 +135,7 @@ def test_an_interruption_ends_with_130_and_leaves_nothing(here, monkeypatch):
     def solve(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(jaxatt.pipeline.solve, "solve", solve)
+    monkeypatch.setattr(sys.modules["jaxatt.cli.solve"], "find", solve)
     found = run("solve", "hypso1-90-45-15")
     assert found.exit_code == 130
     assert "Interrupted" in found.output

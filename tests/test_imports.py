@@ -21,6 +21,7 @@ FILES = {
     for file in sorted(ROOT.rglob("*.py"))
 }
 
+
 def imported(node: ast.Import | ast.ImportFrom, files: dict[str, Path]) -> set[str]:
     """Those of the package's files that a statement imports."""
     if isinstance(node, ast.Import):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sections import Sections
 from jaxatt.records.phase import Phase
@@ -28,7 +29,7 @@ class PhaseStart:
     time: float = 0.0
     state: InitialState | None = None
 
-    def following(self, phase: Phase, end: InitialState) -> PhaseStart:
+    def following(self, phase: Phase, end: InitialState | None) -> PhaseStart:
         """Where the next phase begins: at the flown end of this one."""
         return PhaseStart(self.index + 1, self.time + phase.final_time, end)
 
@@ -102,6 +103,25 @@ class Family(ABC):
         self, scenario: Scenario, start: PhaseStart, found: Any
     ) -> tuple[Phase, InitialState]:
         """Fly the answer of a search again with finer steps: its record, and its flown end."""
+
+    def check_certifiable(self, scenario: Scenario) -> None:
+        """Refuse scenarios whose minimum is not shown by trying supports, with `ScenarioError`."""
+        raise ScenarioError(
+            f'objective.kind = "{scenario.objective.kind}": its minimum is not a matter of '
+            'supports; certify "l0" or "moving-l0"'
+        )
+
+    def certify(
+        self,
+        scenario: Scenario,
+        start: PhaseStart,
+        phase: Phase,
+        most: int,
+        seed: int,
+        report: Report | None,
+    ) -> Any:
+        """What is shown of a phase's answer; only of scenarios that `check_certifiable` passes."""
+        raise NotImplementedError
 
     def extra(self, scenario: Scenario, found: Sequence[Any]) -> Mapping[str, Any]:
         """Numbers of a whole result that belong to no phase, from what the searches returned."""

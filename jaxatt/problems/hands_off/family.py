@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.hands_off.build import build_slew
+from jaxatt.problems.hands_off.certificate import PhaseCertificate
+from jaxatt.problems.hands_off.enumerate_supports import certify_support
 from jaxatt.problems.hands_off.phase import phase_record
 from jaxatt.problems.hands_off.phase_search import Build, search_phase
 from jaxatt.problems.hands_off.reading.scenario import read_hands_off
@@ -19,6 +22,7 @@ from jaxatt.problems.hands_off.slew.flight import fly_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown, Task
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, SPARSE_KINDS, Scenario
 from jaxatt.records.phase import Phase
@@ -60,6 +64,30 @@ class SparseFamily(Family):
         self, scenario: Scenario, start: PhaseStart, found: SparseAnswer
     ) -> tuple[Phase, InitialState]:
         return phase_record(scenario, found.task, found.found, start.time, found.tried, self.fly)
+
+    def check_certifiable(self, scenario: Scenario) -> None:
+        if scenario.objective.kind == "l1":
+            super().check_certifiable(scenario)
+        reaching = replace(scenario, objective=replace(scenario.objective, terminal="reach"))
+        task = self.build(reaching, PhaseStart())(reaching)
+        if task.system.response is None or task.watches:
+            raise ScenarioError(
+                f"{scenario.name}: has path constraints (wheel speed limits, cones, limits on the "
+                "rate), under which supports cannot be tried one by one; certify it without them"
+            )
+
+    def certify(
+        self,
+        scenario: Scenario,
+        start: PhaseStart,
+        phase: Phase,
+        most: int,
+        seed: int,
+        report: Report | None,
+    ) -> PhaseCertificate:
+        build = self.build(scenario, start)
+        task = build(scenario, enforce_speed_limits=False, final_time=phase.final_time)
+        return certify_support(task, phase, most, seed, report)
 
     def extra(self, scenario: Scenario, found: Sequence[SparseAnswer]) -> Mapping[str, Any]:
         if scenario.objective.terminal != "penalty":

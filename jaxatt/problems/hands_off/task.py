@@ -87,6 +87,14 @@ class Task(ABC):
     effort_weight: float = 1.0
     """Weight of the L1 effort, in scaled controls, where the printed cost is minimised."""
 
+    ways: tuple[float, ...] = (1.0,)
+    """Ways round to the target: 1 for the short one, -1 for the long one."""
+
+    @property
+    def watches(self) -> bool:
+        """Whether flights are looked at between the nodes, for cones and rate limits."""
+        return False
+
     @property
     def final_time(self) -> float:
         """Length of the horizon [s]."""

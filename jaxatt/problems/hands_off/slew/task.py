@@ -81,6 +81,7 @@ class SlewTask(Task):
     """
 
     threshold = 1e-6
+    ways = (1.0, -1.0)
 
     def __init__(
         self,
