@@ -65,7 +65,7 @@ def read_heading(
 
 
 def read_solver(data: Any, origin: str) -> SolverSettings:
-    """Return the checked number of starts and the seed."""
+    """Read the number of starts and the seed."""
     table = Table(data, origin, "[solver]", SPACECRAFT_TABLES["solver"])
     return SolverSettings(
         starts=table.integer("starts", 64), seed=table.integer("seed", 0, at_least=0)
