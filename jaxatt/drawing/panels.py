@@ -40,7 +40,7 @@ def pulses(
     limit: float,
     opacity: float = 0.55,
 ) -> None:
-    """One piecewise constant control as filled steps, with its limits [unit of the values].
+    """Draw one piecewise constant control as filled steps, with its limits.
 
     edges : (I + 1,), of the intervals.  values : (I,).
     """

@@ -1,4 +1,4 @@
-"""Is the answer the sparsest there is?  Every cheaper support is tried, and all that cost as much.
+"""Certificate of minimality: try every support that costs less than the answer, or as much.
 
 What this shows is numerical: on each support Newton's method looks for torques that meet the
 target, from rest and from random points, both ways round.  A support on which it arrives is
@@ -147,7 +147,7 @@ def _certify_phase(
 
 
 def _finds(records: Sequence[ClassRecord], support: npt.NDArray[np.int64]) -> bool:
-    """Whether a support that is known to reach was found to."""
+    """Whether a support that is known to reach was found again."""
     return any(
         way is not None
         and way.groups.shape[1:] == support.shape

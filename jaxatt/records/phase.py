@@ -71,7 +71,7 @@ class Phase:
 
     @property
     def final_time(self) -> float:
-        """Length of the phase's horizon [s], without what coasts after it."""
+        """Length of the phase's horizon [s], without the coast after it."""
         return self.step * len(self.active)
 
     @property

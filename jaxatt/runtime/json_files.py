@@ -12,7 +12,7 @@ from jaxatt.runtime.files import replacing
 
 
 def write_json(content: Mapping[str, Any], path: str | Path) -> None:
-    """Write a mapping as a JSON file, whole or not at all."""
+    """Write a mapping as a JSON file, completely or not at all."""
     with replacing(path) as partial:
         partial.write_text(json.dumps(plain(content), indent=2) + "\n", encoding="utf-8")
 

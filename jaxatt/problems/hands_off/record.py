@@ -15,7 +15,7 @@ from jaxatt.runtime.arrays import Flags, Floats
 
 @dataclass(frozen=True, eq=False)
 class Valves:
-    """An answer whose thrusters are open or shut, as it flew.
+    """Flight of an answer whose thrusters are fully open or shut.
 
     mode : "pulse-width" or "interval".  opens, shuts : (N, m) [s] from each interval's start.
     q_ob : (M, 4), omega_ob : (M, 3) [rad/s] at the M nodes of the flight.
@@ -46,7 +46,7 @@ class Valves:
 
 @dataclass(frozen=True, eq=False)
 class FinalTimes:
-    """The final times that were tried where it is free; leading axis K, in the order of trying.
+    """Final times that were tried where it is free; leading axis K, in the order of trying.
 
     time_weight : [1/s], cost of a second in active intervals.  cost : of the answer, with its time.
     final_time : (K,) [s].  costs : (K,), infinite where nothing reached.  active_intervals,

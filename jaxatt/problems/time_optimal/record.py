@@ -1,4 +1,4 @@
-"""What is particular to a turn whose time was minimised, alone or with its effort."""
+"""Data of a turn in free time beyond what every phase has."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class TimeOptimum(Section):
 
     @property
     def kkt(self) -> dict[str, float]:
-        """How well the first-order conditions of an optimum are met."""
+        """Residuals of the first-order conditions of an optimum."""
         return {"violation": self.violation, "stationarity": self.stationarity}
 
     def __repr__(self) -> str:

@@ -18,7 +18,7 @@ from jaxatt.records.timeline import timeline
 
 
 def control(axes: Axes, answer: Answer) -> None:
-    """Control of a toy system."""
+    """Draw the control of a toy system."""
     line = timeline(answer.phases)
     values, limit = line.intervals["control"][:, 0], answer.scenario.control.limit
     pulses(axes, line.edges, values, 0, "$u$", limit)
@@ -26,7 +26,7 @@ def control(axes: Axes, answer: Answer) -> None:
 
 
 def states(axes: Axes, answer: Answer) -> None:
-    """States of a toy system with dotted references."""
+    """Draw the states of a toy system with dotted references."""
     line = timeline(answer.phases)
     values = line.nodes["state"]
     lines(axes, line.time, values, [rf"$x_{i + 1}$" for i in range(values.shape[1])])

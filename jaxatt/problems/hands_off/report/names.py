@@ -50,7 +50,7 @@ def whole(answer: Answer) -> dict[str, Any]:
 
 
 def valves_summary(valves: Valves) -> dict[str, Any]:
-    """An answer with thrusters open or shut in plain numbers; `on_time_s` by thruster."""
+    """Plain numbers of an answer with thrusters open or shut; `on_time_s` by thruster."""
     active = int(valves.active.sum())
     return {
         "mode": valves.mode,

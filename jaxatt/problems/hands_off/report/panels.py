@@ -43,7 +43,7 @@ def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
 
 
 def valves(axes: Axes, answer: Answer) -> None:
-    """When each thruster is open after quantisation, one row a thruster."""
+    """Draw when each thruster is open after quantisation, one row a thruster."""
     vehicle = answer.scenario.vehicle
     assert vehicle is not None
     count = vehicle.thrusters.count
