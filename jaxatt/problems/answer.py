@@ -1,4 +1,4 @@
-"""The answer to a scenario as a plain record, below everything that shows it."""
+"""The answer to a scenario as a plain record."""
 
 from __future__ import annotations
 

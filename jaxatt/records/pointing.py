@@ -1,4 +1,4 @@
-"""How a flight kept to its cones and rate limits."""
+"""Record of cones and rate limits along a flight."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How all starts of one phase ended."""
+"""Record of the outcome of all starts of one phase."""
 
 from __future__ import annotations
 

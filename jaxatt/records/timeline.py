@@ -1,4 +1,4 @@
-"""The phases of an answer, one after another on one time axis."""
+"""The phases of an answer, joined on one time axis."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Timeline:
 
 
 def at_nodes(phase: Phase, name: str) -> bool:
-    """Whether a series of a phase is sampled at nodes, and not held over intervals."""
+    """Whether a series of a phase is sampled at nodes, rather than held over intervals."""
     return len(phase.series[name]) > len(phase.active)
 
 

@@ -19,7 +19,7 @@ _SHOWN_RUNS = 12
 
 
 def objective_title(kind: str) -> str:
-    """What an objective is called in tables and figures."""
+    """Title of an objective in tables and figures."""
     return OBJECTIVES.get(kind, kind)
 
 

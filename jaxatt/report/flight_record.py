@@ -1,4 +1,4 @@
-"""A simulation as a plain record: the runs, their figures, and what made them."""
+"""A simulation as a plain record: the runs, their figures, and the settings that made them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ENDINGS = {
 
 @dataclass(frozen=True, eq=False)
 class FlightRecord:
-    """One law flown in R runs.
+    """Record of one law flown in R runs.
 
     law : its name in the scenario.  flown : arrays with leading axis R.
     reference : (records, 4), asked attitude q_d.  spread : None for the nominal run.

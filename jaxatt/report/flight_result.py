@@ -1,4 +1,4 @@
-"""What a simulation returns: its record with everything that shows it."""
+"""Result of a simulation, which prints, draws and saves itself."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One quantity of a spacecraft, or of any system, over time, drawn into given axes."""
+"""Panels that show one quantity of a system over time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
 
 
 def shade(axes: Axes, result: Answer, legend: bool = True) -> None:
-    """Shade what the family shades and the coasting tail, and mark where a phase ends."""
+    """Shade the coasting tail and the family's windows, and mark the end of each phase."""
     line = timeline(result.phases)
     handles: list[Artist] = []
     for shaded in sections_of(result).shades(result):
@@ -156,7 +156,7 @@ def _nearest_turn(angles: Floats, to: Floats) -> Floats:
 
 
 def nodes(axes: Axes, result: Answer, name: str) -> None:
-    """Any series at nodes, with its dotted target where it has one."""
+    """Draw any series at nodes, with its dotted target where it has one."""
     line = timeline(result.phases)
     values = _columns(line.nodes[name])
     lines(axes, line.time, values, _names(name, values))
@@ -167,7 +167,7 @@ def nodes(axes: Axes, result: Answer, name: str) -> None:
 
 
 def intervals(axes: Axes, result: Answer, name: str) -> None:
-    """Any series that is held over intervals."""
+    """Draw any series that is held over intervals."""
     line = timeline(result.phases)
     values = _columns(line.intervals[name])
     for index, words in enumerate(_names(name, values)):

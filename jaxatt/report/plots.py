@@ -108,7 +108,7 @@ def compare(results: Mapping[str, Answer]) -> Picture:
 
 
 def headline(result: Answer) -> str:
-    """Two lines for the head of a figure."""
+    """Two title lines of a figure."""
     kind = objective_title(result.scenario.objective.kind)
     found = result.phases[0].section.headline(result.phases)
     return f"{result.scenario.title}\n{kind}: {found}, {result.status}"
@@ -119,7 +119,7 @@ def _panels(result: Answer) -> Mapping[str, Panel]:
 
 
 def _common(result: Answer) -> Mapping[str, Panel]:
-    """Panels that every answer about such a system has: the spacecraft's, then any other series."""
+    """Panels that any answer of such a system has: the spacecraft's, then any other series."""
     vehicle, line = result.scenario.vehicle, timeline(result.phases)
     chosen: dict[str, Panel] = {}
     if vehicle is not None:
@@ -136,7 +136,7 @@ def _any(draw: Callable[[Axes, Answer, str], None], name: str) -> Panel:
 
 
 def _torques(axes: Axes, result: Answer, kind: str) -> None:
-    """All torques of a kind in one panel, with what the family marks in them."""
+    """Draw all torques of a kind in one panel, with the family's marks."""
     panels.torque(axes, result, kind)
     sections_of(result).mark(axes, result, kind, None)
 

@@ -1,4 +1,4 @@
-"""What a solve returns: the answer with everything that shows it."""
+"""Result of a solve, which prints, draws and saves itself."""
 
 from __future__ import annotations
 

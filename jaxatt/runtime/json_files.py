@@ -1,4 +1,4 @@
-"""Mappings as JSON files that any reader can read: no NaN, no arrays."""
+"""Write JSON files that any reader can read: no NaN, no arrays."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def write_json(content: Mapping[str, Any], path: str | Path) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Return plain Python for JSON; numbers that are not finite become None."""
+    """Convert to plain Python for JSON; numbers that are not finite become None."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

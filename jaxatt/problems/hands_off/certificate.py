@@ -1,4 +1,4 @@
-"""What was shown of an answer by trying the supports that cost less, or as much."""
+"""Record of trying the supports that cost less than an answer, or as much."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def nearest_whole(value: float) -> int:
 
 
 def read_initial(data: Any, origin: str, vehicle: Spacecraft, notes: list[str]) -> InitialState:
-    """Return the checked start of a spacecraft."""
+    """Read the initial state of a spacecraft."""
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
     count = vehicle.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))

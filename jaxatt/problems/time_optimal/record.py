@@ -10,7 +10,7 @@ from jaxatt.runtime.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class TimeOptimum(Section):
-    """What such a phase has beside what every phase has: price, switches, and how good it is.
+    """Cost, switching times and optimality of a turn in free time.
 
     effort_weight : rho [1/(N m)^2].  cost : [s], the programme's own.
     actuators : names, wheels then thrusters.  switch_times : (K,) [s] of each actuator.

@@ -1,4 +1,4 @@
-"""When torques change from one of their limits to the other."""
+"""Switching times of torques between their limits."""
 
 from __future__ import annotations
 

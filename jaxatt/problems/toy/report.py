@@ -1,4 +1,4 @@
-"""What sparse control of a toy adds to a report."""
+"""Sections that sparse control of a toy adds to a report."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def states(axes: Axes, answer: Answer) -> None:
 
 
 def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
-    """Control above states, in place of the panels that any system has."""
+    """Panels of control and states, in place of those that any system has."""
     return {"control": control, "state": states}
 
 

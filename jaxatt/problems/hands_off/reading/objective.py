@@ -1,4 +1,4 @@
-"""The sparse objectives of a scenario, and what a free final time asks of them."""
+"""Read the sparse objectives of a scenario, and check a free final time."""
 
 from __future__ import annotations
 

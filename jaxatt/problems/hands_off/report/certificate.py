@@ -1,4 +1,4 @@
-"""What a certification returns: its record with everything that shows it."""
+"""Result of a certification, which prints, draws and saves itself."""
 
 from __future__ import annotations
 

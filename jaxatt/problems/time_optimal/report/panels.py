@@ -1,4 +1,4 @@
-"""Panels that only a turn in free time has: MRP, switches, the cost of every start."""
+"""Panels of a turn in free time: MRP, switching times, cost of every start."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _sigma = jax.jit(mrp.from_quaternion)
 
 
 def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
-    """The panels of every answer, with the MRP above the Euler angles."""
+    """Panels of any answer, with the MRP above the Euler angles."""
     chosen: dict[str, Panel] = {}
     for name, panel in common.items():
         if name == "euler_angles":
