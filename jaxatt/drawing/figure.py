@@ -1,4 +1,4 @@
-"""Figures without global state, colours that colour-blind readers can tell apart."""
+"""Figures without global state, in colours that colour-blind readers can tell apart."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _DPI = 150
 
 
 class Picture(Figure):
-    """A figure that a notebook shows without any further setting."""
+    """A figure that a notebook shows without further settings."""
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
@@ -26,7 +26,7 @@ class Picture(Figure):
 
 
 def picture(width: float, height: float, title: str = "") -> Picture:
-    """Empty figure of a size in inches."""
+    """Make an empty figure of a size in inches."""
     figure = Picture(figsize=(width, height), layout="constrained")
     if title:
         figure.suptitle(title)
@@ -39,13 +39,13 @@ def colour(index: int) -> str:
 
 
 def tidy(axes: Axes) -> None:
-    """Light grid, no box."""
+    """Give axes a light grid and no box."""
     axes.grid(True, color="#E6E6E6", linewidth=0.6)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
 
 
 def save(figure: Figure, path: str | Path) -> None:
-    """Write a figure as PNG, whole or not at all."""
+    """Write a figure as PNG, completely or not at all."""
     with replacing(path) as partial:
         figure.savefig(partial, format="png", dpi=_DPI)

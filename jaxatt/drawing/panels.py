@@ -1,4 +1,4 @@
-"""Lines, pulses, limits and references drawn into given axes."""
+"""Draw lines, pulses, limits and references into given axes."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from jaxatt.runtime.arrays import Flags, Floats
 
 
 def lines(axes: Axes, time: Floats, values: Floats, names: Sequence[str]) -> None:
-    """One line a component; time : (K,), values : (K, n)."""
+    """Draw one line a component; time : (K,), values : (K, n)."""
     for index, name in enumerate(names):
         axes.plot(time, values[:, index], color=colour(index), linewidth=1.5, label=name)
 
 
 def references(axes: Axes, start: float, end: float, values: Floats) -> None:
-    """Dotted targets (n,) of the components from one time to another."""
+    """Draw dotted targets (n,) of the components from one time to another."""
     for index, value in enumerate(values):
         axes.hlines(value, start, end, colors=colour(index), linestyles="dotted", linewidth=1.4)
 
 
 def limits(axes: Axes, values: Sequence[float] | Floats) -> None:
-    """Dashed lines at limits of either sign."""
+    """Draw dashed lines at limits of either sign."""
     for limit in values:
         for sign in (-1.0, 1.0):
             axes.axhline(sign * limit, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
@@ -40,7 +40,7 @@ def pulses(
     limit: float,
     opacity: float = 0.55,
 ) -> None:
-    """One piecewise constant control as filled steps, with its limits [unit of the values].
+    """Draw one piecewise constant control as filled steps, with its limits.
 
     edges : (I + 1,), of the intervals.  values : (I,).
     """

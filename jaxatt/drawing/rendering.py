@@ -1,4 +1,4 @@
-"""Rich tables as plain text and as HTML."""
+"""Conversion of rich tables to plain text and to HTML."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ _PAGE = "<pre style=\"font-family:Menlo,'DejaVu Sans Mono',monospace;line-height
 
 
 def as_text(renderable: RenderableType, width: int = 100) -> str:
-    """Text without colours."""
+    """Render as plain text without colours."""
     console = Console(file=io.StringIO(), width=width, color_system=None, force_terminal=False)
     with console.capture() as capture:
         console.print(renderable)
@@ -18,7 +18,7 @@ def as_text(renderable: RenderableType, width: int = 100) -> str:
 
 
 def as_html(renderable: RenderableType, width: int = 110) -> str:
-    """A block of HTML that carries its own styles."""
+    """Render as a block of HTML that carries its own styles."""
     console = Console(file=io.StringIO(), width=width, record=True, force_jupyter=False)
     console.print(renderable)
     return console.export_html(inline_styles=True, code_format=_PAGE)

@@ -1,4 +1,4 @@
-"""A general entry to the solver: any smooth programme with few variables."""
+"""Minimise any smooth function of few variables under constraints."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class KKTMultipliers:
 
 @dataclass(frozen=True)
 class MinimizeStarts:
-    """How every start ended; leading axis S.  Fields as in `Minimum`."""
+    """Outcome of every start; leading axis S.  Fields as in `Minimum`."""
 
     x: Floats
     objective: Floats
@@ -162,7 +162,7 @@ def minimize(
 
 @functools.cache
 def _solver() -> Any:
-    """`solve`, compiled once for every set of functions, shapes and inner minimiser.
+    """The dense solver, compiled once for every set of functions, shapes and inner minimiser.
 
     On CPUs XLA's newer emitters for fused loops take twice as long to compile and run no faster.
     """
@@ -216,7 +216,7 @@ _PREFERENCE = {
 
 
 def _best(every: MinimizeStarts) -> int:
-    """Converged first, then feasible, each by objective; otherwise the least violation."""
+    """Index of the best start: converged, then feasible, by objective; else the least violation."""
     rank = np.array([_PREFERENCE[Status(int(s))] for s in every.status])
     value = np.where(rank <= 2, every.objective, every.max_violation)
     value = np.where(np.isfinite(value), value, np.where(rank == 0, -np.inf, np.inf))

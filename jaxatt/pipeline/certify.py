@@ -1,4 +1,4 @@
-"""Is the answer the sparsest there is?  Every cheaper support is tried, and all that cost as much.
+"""Certificate of minimality: try every support that costs less than the answer, or as much.
 
 What this shows is numerical: on each support Newton's method looks for torques that meet the
 target, from rest and from random points, both ways round.  A support on which it arrives is

@@ -1,4 +1,4 @@
-"""From a flight's file to its flown runs."""
+"""Simulate the runs of a flight."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def simulate(
     plan: Plan | None = None,
     report: Report | None = None,
 ) -> FlightResult:
-    """Fly a law of a scenario, or one of your own, in one run or in a campaign.
+    """Fly a law of a flight, or a law of your own, in one run or in a campaign.
 
     flight : a `FlightScenario`, the name of a bundled one or a TOML file.
     law : name in the file (the first by default), or any callable law.

@@ -1,4 +1,4 @@
-"""From a scenario to its verified result."""
+"""Solve a scenario and verify the answer."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def solve(
     inner: str = "auto",
     report: Report | None = None,
 ) -> Result:
-    """Find the best manoeuvre of a scenario from many starts and fly it again with finer steps.
+    """Find the best manoeuvre of a scenario from many starts and fly it again.
 
     scenario : a `Scenario`, the name of a bundled one or a TOML file.
     objective, terminal, starts, seed : replace the scenario's own settings.
@@ -99,5 +99,5 @@ def solve(
 
 
 def versions() -> Mapping[str, str]:
-    """Versions of what made a result."""
+    """Versions of the packages that made a result."""
     return {name: importlib.metadata.version(name) for name in ("jaxatt", "jax", "jaxlib", "optax")}

@@ -1,4 +1,4 @@
-"""The answer to a scenario as a plain record, below everything that shows it."""
+"""The answer to a scenario as a plain record."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class Answer:
 
     @property
     def active_intervals(self) -> int:
-        """Active intervals of all phases together."""
+        """Number of active intervals of all phases together."""
         return sum(phase.active_intervals for phase in self.phases)
 
     def __repr__(self) -> str:

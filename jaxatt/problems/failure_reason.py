@@ -1,4 +1,4 @@
-"""What stands in the way of an answer that does not reach, in words."""
+"""Explanation of why an answer does not reach its target."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def failure_reason(
     pointing: PointingRecord | None = None,
     also: Sequence[str] = (),
 ) -> str:
-    """Which constraints one answer breaks, the cones by name, and how its solver ended.
+    """Sentence on the constraints that an answer violates, and on how its solver ended.
 
     also : what else is worth telling, before the solver's own ending.
     """

@@ -1,4 +1,4 @@
-"""What makes a kind of manoeuvre: how it is read, searched, flown, judged and reported."""
+"""Interface of a family of problems: read, search, fly, judge and report."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jaxatt.runtime.chunks import Report
 
 @dataclass(frozen=True, eq=False)
 class PhaseStart:
-    """Where one phase of a scenario begins.
+    """Beginning of one phase of a scenario.
 
     index : of the phase, from zero.  time : [s] since the scenario's start.
     state : the flown end of the phase before; None where the scenario itself begins.
@@ -36,7 +36,7 @@ class PhaseStart:
 
 @dataclass(frozen=True, eq=False)
 class SearchOptions:
-    """What the caller of `solve` may choose beyond the scenario.
+    """Options of `solve` beyond the scenario.
 
     guess : name of a first guess, or controls (N, b).  inner : name of an inner minimiser.
     """
@@ -46,12 +46,12 @@ class SearchOptions:
 
     @property
     def default(self) -> bool:
-        """Whether nothing was chosen."""
+        """Whether all options have their defaults."""
         return isinstance(self.guess, str) and (self.guess, self.inner) == ("pulses", "auto")
 
 
 class Family(ABC):
-    """A kind of manoeuvre: its name, what it reads, and the steps from a scenario to its record.
+    """A family of problems: its name, what it reads, and the steps from a scenario to its record.
 
     name : as records carry it.
     systems : values of `system` in a scenario that it answers to, e.g. "spacecraft".
@@ -71,7 +71,7 @@ class Family(ABC):
 
     @abstractmethod
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-        """The checked scenario of a TOML document.
+        """Read and check the scenario of a TOML document.
 
         origin : what messages call the file.  folder : where files that it names are looked up.
         Raises `ScenarioError`, which names table, key, value, what is allowed and how to mend it.
@@ -82,7 +82,7 @@ class Family(ABC):
         return len(scenario.targets)
 
     def check(self, scenario: Scenario, options: SearchOptions) -> None:
-        """Refuse options that the search does not know, with a `ValueError`."""
+        """Refuse options that the search does not support, with a `ValueError`."""
         if not options.default:
             raise ValueError(
                 f"guess, inner: kind = {scenario.objective.kind} has starts and a method of its "
@@ -93,7 +93,7 @@ class Family(ABC):
     def search(
         self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None
     ) -> Any:
-        """Solve one phase from many starts; what is returned goes to `judge`.
+        """Solve one phase from many starts; the return value goes to `judge`.
 
         report : called by the host with (stage, starts ended) between chunks of work.
         """
@@ -102,7 +102,7 @@ class Family(ABC):
     def judge(
         self, scenario: Scenario, start: PhaseStart, found: Any
     ) -> tuple[Phase, InitialState]:
-        """Fly the answer of a search again with finer steps: its record, and its flown end."""
+        """Fly the answer of a search again with finer steps; return record and flown end."""
 
     def check_certifiable(self, scenario: Scenario) -> None:
         """Refuse scenarios whose minimum is not shown by trying supports, with `ScenarioError`."""

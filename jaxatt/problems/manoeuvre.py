@@ -1,4 +1,4 @@
-"""Where a manoeuvre begins, ends and passes, and on which grid of time."""
+"""Initial state, target, waypoint and time grid of a manoeuvre."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _no_state() -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class InitialState:
-    """The start of a manoeuvre.
+    """Initial state of a manoeuvre.
 
     q_ob : (4,), attitude of the body relative to the orbit frame, unit quaternion, scalar first.
     omega_ob : (3,) [rad/s], rate of the body relative to the orbit frame, in body axes.
@@ -36,7 +36,7 @@ class InitialState:
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """The end of a manoeuvre, or of one phase: as `InitialState`, with tolerances [rad, rad/s]."""
+    """Target of a manoeuvre or of one phase: as `InitialState`, with tolerances [rad, rad/s]."""
 
     q_ob: Floats
     omega_ob: Floats
@@ -58,7 +58,7 @@ class Waypoint:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """N control intervals of `step` [s], the coasting intervals after them, the first time [s]."""
+    """Time grid of N control intervals of `step` [s], followed by coasting intervals."""
 
     intervals: int
     step: float
@@ -76,7 +76,7 @@ def automatic_substeps(step: float, surroundings: Surroundings) -> int:
 
 
 def long_way_probability(turn: Floats, rate: Floats, duration: float) -> float:
-    """How often a random start should aim at the target the long way round.
+    """Probability with which a random start heads for the target the long way round.
 
     From the rate changes that the two ways ask for about the axis between the attitudes: half where
     both ask for the same, as for half a turn from rest; falling with the fourth power of their

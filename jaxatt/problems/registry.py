@@ -1,4 +1,4 @@
-"""The families of problems that there are, a line each."""
+"""Registry of the families of problems, one line a family."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ def register(family: Family) -> None:
 
 
 def unregister(name: str) -> None:
-    """Forget a family that was registered."""
+    """Remove a registered family."""
     del _FAMILIES[name]
 
 
 def families() -> tuple[Family, ...]:
-    """All of them, those of the package first."""
+    """All registered families, those of the package first."""
     return tuple(_FAMILIES.values())
 
 

@@ -1,4 +1,4 @@
-"""What a scenario says, in SI units and radians."""
+"""A scenario as checked data, in SI units and radians."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class Control:
 
 @dataclass(frozen=True)
 class Objective:
-    """What is minimised; weights k1 [s^2], k2, k3, a3 of Schaanning (2021), table 5.1.
+    """Objective with its weights k1 [s^2], k2, k3, a3 of Schaanning (2021), table 5.1.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class Objective:
 
 @dataclass(frozen=True)
 class Transcription:
-    """How a turn of `TIME_KINDS` becomes a finite programme.
+    """Transcription of a turn in free time to a finite programme.
 
     attitude : "quaternion" or "mrp", its coordinates.  integration : "rk4" or "euler".
     """

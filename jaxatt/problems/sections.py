@@ -1,4 +1,4 @@
-"""What a family adds to a report: its rows, names, variables, panels and figures.
+"""Sections that a family adds to a report: rows, names, variables, panels and figures.
 
 Each is a plain function on records.  A family gives those it has something to say in; with none at
 all a report still tells, draws and archives what every answer has.
@@ -32,7 +32,7 @@ Panel = Callable[[Axes, Answer], None]
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of a result's table, by the place that they take in it.
+    """Rows of a result's table, by their place in it.
 
     answer : below the status.  flown : below the errors.  cost : below the effort.
     """
@@ -55,7 +55,7 @@ class Shade:
 
 
 def objective_rows(phase: Phase) -> tuple[Row, ...]:
-    """The cost and its named parts."""
+    """Rows of the cost and its named parts."""
 
     def part(name: str) -> Callable[[Block], str]:
         return lambda block: short(block["objective"][name])
@@ -65,25 +65,25 @@ def objective_rows(phase: Phase) -> tuple[Row, ...]:
 
 
 def plain_title(answer: Answer) -> str:
-    """What is minimised, and what becomes of the target."""
+    """Text of what is minimised, and of how the target enters."""
     objective = answer.scenario.objective
     return f"{objective_title(objective.kind)}, {objective.terminal}"
 
 
 def plain_rows(answer: Answer) -> Rows:
-    """The final time, and the cost with its parts."""
+    """Rows of the final time, and of the cost with its parts."""
     time: Row = ("final time [s]", lambda block: short(block["final_time_s"], 7))
     return Rows(answer=(time,), cost=objective_rows(answer.phases[0]))
 
 
 def all_null(blocks: Sequence[Block]) -> Block:
-    """Nothing of the family's own names of several phases together."""
+    """Null entries for the family's own names of several phases together."""
     return dict.fromkeys(blocks[0])
 
 
 @dataclass(frozen=True)
 class Sections:
-    """What a family adds to a report.
+    """Functions with which a family adds to a report.
 
     title : what is minimised, for the head of the table.
     rows : its rows of the table.

@@ -1,4 +1,4 @@
-"""Orbit and known disturbances of a scenario, ready for tabulation."""
+"""Orbit and known disturbances of a scenario, as the environment's tables need them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an independent re-simulation says of an answer."""
+"""Verdict of an independent re-simulation on an answer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxatt.runtime.arrays import Floats
 
 @dataclass(frozen=True)
 class Verdict:
-    """What independent re-simulation says of S controls; leading axis S.
+    """Errors and violations of S controls by independent re-simulation; leading axis S.
 
     errors : name -> (S,) error, e.g. "attitude" [rad]; tolerances : name -> allowed error.
     limit_violation : (S,) largest excess over a control limit, in units of the controls.
@@ -30,7 +30,7 @@ class Verdict:
 
     @property
     def arrives(self) -> npt.NDArray[np.bool_]:
-        """(S,) whether every error and control limit is within tolerance, whatever the way."""
+        """Whether all errors and control limits are within tolerance, whatever the path, (S,)."""
         ok = self.limit_violation <= self.LIMIT_TOLERANCE
         for name, error in self.errors.items():
             ok &= error <= self.tolerances[name]
@@ -38,11 +38,11 @@ class Verdict:
 
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
-        """(S,) whether every error, limit and path constraint is within tolerance."""
+        """Whether all errors, limits and path constraints are within tolerance, (S,)."""
         return self.arrives & (self.margin_violation <= self.MARGIN_TOLERANCE)
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Verdict:
-        """Verdicts of some of the controls."""
+        """Select the verdicts of some of the controls."""
         return Verdict(
             {name: error[rows] for name, error in self.errors.items()},
             self.tolerances,
@@ -52,7 +52,7 @@ class Verdict:
 
     @staticmethod
     def join(parts: Sequence[Verdict]) -> Verdict:
-        """One verdict on the controls of several."""
+        """Concatenate several verdicts."""
         return Verdict(
             {name: np.concatenate([p.errors[name] for p in parts]) for name in parts[0].errors},
             parts[0].tolerances,
@@ -62,7 +62,7 @@ class Verdict:
 
     @property
     def shortfall(self) -> Floats:
-        """(S,) largest error in units of its tolerance; not a number counts as infinite."""
+        """Largest error in units of its tolerance, (S,); infinite where not a number."""
         worst = np.zeros_like(self.limit_violation)
         for name, error in self.errors.items():
             worst = np.maximum(worst, np.nan_to_num(error / self.tolerances[name], nan=np.inf))

@@ -1,4 +1,4 @@
-"""Arrays with the names of their axes, a unit and words, as archives hold them."""
+"""Arrays with the names of their axes, a unit and a description, as archives hold them."""
 
 from __future__ import annotations
 
@@ -14,5 +14,5 @@ Label = tuple[tuple[str, ...], str, str]
 
 
 def labelled(values: Any, dims: tuple[str, ...], units: str, words: str) -> Variable:
-    """A variable of an archive; units : empty where there is none."""
+    """Make a variable of an archive; units : empty where there is none."""
     return dims, np.asarray(values), {"long_name": words} | ({"units": units} if units else {})

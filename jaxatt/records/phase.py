@@ -1,4 +1,4 @@
-"""The answer of one optimisation, flown again: plain arrays and numbers, labelled."""
+"""Record of one optimisation and of the flight that verified it, for any family."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from jaxatt.runtime.arrays import Flags, Floats
 
 
 class Section:
-    """What only the answers of one family have; a family derives a frozen dataclass from it."""
+    """Data that only the answers of one family have; a family derives a dataclass from it."""
 
     def headline(self, phases: Sequence[Phase]) -> str:
-        """An answer in a few words, for the head of a figure: its final times."""
+        """Short text of an answer for the head of a figure: its final times."""
         return ", ".join(f"{phase.final_time:.4f} s" for phase in phases)
 
     def brief(self, phases: Sequence[Phase]) -> str:
-        """An answer in a few words, for one line: the length of all phases together."""
+        """Short text of an answer for one line: the length of all phases together."""
         return f"{sum(phase.final_time for phase in phases):.6g} s"
 
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """What every answer has, whatever its family: one optimisation, flown again.
+    """Answer of one optimisation with the flight that verified it, for any family.
 
     family : name under which `jaxatt.problems.registry` knows the family.
     start_time, step : [s].  controls : (N, b), optimised controls (torques in body or wheel axes
@@ -71,7 +71,7 @@ class Phase:
 
     @property
     def final_time(self) -> float:
-        """Length of the phase's horizon [s], without what coasts after it."""
+        """Length of the phase's horizon [s], without the coast after it."""
         return self.step * len(self.active)
 
     @property
@@ -88,12 +88,12 @@ class Phase:
 
     @property
     def total_cost(self) -> float:
-        """The cost, all parts together."""
+        """Sum of all parts of the cost."""
         return float(sum(self.objective.values()))
 
     @property
     def obstacle(self) -> str:
-        """`failure_reason`, by its earlier name."""
+        """The failure reason, under its earlier name."""
         return self.failure_reason
 
     def __repr__(self) -> str:

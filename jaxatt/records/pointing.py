@@ -1,4 +1,4 @@
-"""How a flight kept to its cones and rate limits."""
+"""Record of cones and rate limits along a flight."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jaxatt.runtime.arrays import Floats
 
 @dataclass(frozen=True)
 class Extreme:
-    """The instant of a flight at which it came nearest to breaking one limit.
+    """Instant of a flight at which it is closest to violating one limit.
 
     kind : "keep-out", "keep-in" or "body-rate".  value, allowed : [rad], or [rad/s] of a rate.
     time : [s] after the first instant.  satisfied : whether the limit holds, to one millionth.
@@ -25,7 +25,7 @@ class Extreme:
 
 @dataclass(frozen=True, eq=False)
 class PointingRecord:
-    """How a phase kept to its cones and rate limits, at every Runge-Kutta step of its flight.
+    """Cones and rate limits of a phase at every Runge-Kutta step of its flight.
 
     time : (T,) [s] from the phase's start, the coast included.
     angles : (T, m) [rad], of m cones.  boresights, directions : (T, m, 3), in inertial axes.

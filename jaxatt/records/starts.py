@@ -1,4 +1,4 @@
-"""How all starts of one phase ended."""
+"""Record of the outcome of all starts of one phase."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxatt.runtime.arrays import Flags, Floats
 
 @dataclass(frozen=True, eq=False)
 class StartsRecord:
-    """How every start ended; leading axis S.
+    """Outcome of every start; leading axis S.
 
     status : (S,) `jaxatt.optimize.status.Status`.  reached : (S,), by re-simulation.
     active_intervals : (S,).  effort : (S,), L1 effort.  iterations : (S,).

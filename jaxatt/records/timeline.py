@@ -1,4 +1,4 @@
-"""The phases of an answer, one after another on one time axis."""
+"""The phases of an answer, joined on one time axis."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxatt.runtime.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class Timeline:
-    """What was flown, with K nodes and I intervals over all phases.
+    """Flown states and torques over all phases, with K nodes and I intervals.
 
     time : (K,) [s].  nodes : name -> (K, ...).  edges : (I + 1,) [s].
     intervals : name -> (I, ...).  ends : [s], end of each phase's horizon.
@@ -32,18 +32,18 @@ class Timeline:
 
 
 def at_nodes(phase: Phase, name: str) -> bool:
-    """Whether a series of a phase is sampled at nodes, and not held over intervals."""
+    """Whether a series of a phase is sampled at nodes, rather than held over intervals."""
     return len(phase.series[name]) > len(phase.active)
 
 
 def node_times(phase: Phase) -> Floats:
-    """Times of a phase's nodes from its start, (M,) [s], the coasting tail included."""
+    """Times (M,) [s] of a phase's nodes from its start, the coasting tail included."""
     flown = max((len(values) for values in phase.series.values()), default=0)
     return np.asarray(phase.step * np.arange(max(flown, len(phase.active) + 1)))
 
 
 def timeline(phases: Sequence[Phase]) -> Timeline:
-    """Join the phases; a phase's coasting tail is kept only where no other phase follows."""
+    """Join the phases; a coasting tail is kept only after the last phase."""
     kept = [len(phase.active) for phase in phases[:-1]] + [len(node_times(phases[-1]))]
     first = phases[0]
     starts = [phase.start_time + phase.step * np.arange(len(phase.active)) for phase in phases]

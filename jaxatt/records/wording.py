@@ -1,4 +1,4 @@
-"""Numbers in words, for tables and messages."""
+"""Wording of numbers in tables and messages."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _SHOWN_RUNS = 12
 
 
 def objective_title(kind: str) -> str:
-    """What an objective is called in tables and figures."""
+    """Title of an objective in tables and figures."""
     return OBJECTIVES.get(kind, kind)
 
 
 def indices_text(indices: Sequence[int]) -> str:
-    """Indices as ranges, e.g. "0, 20-23, 49", cut short where there are many."""
+    """Text of indices as ranges, e.g. "0, 20-23, 49", shortened where there are many."""
     runs: list[list[int]] = []
     for index in indices:
         if runs and index == runs[-1][-1] + 1:
@@ -47,12 +47,12 @@ LIMITS = {
 
 
 def limit_label(kind: str, name: str) -> str:
-    """What a cone or rate limit is called, e.g. "keep-out sun"."""
+    """Name of a cone or rate limit, e.g. "keep-out sun"."""
     return name if kind == "body-rate" else f"{kind} {name}"
 
 
 def limit_text(kind: str, value: float, allowed: float, time: float, satisfied: bool) -> str:
-    """How near a flight came to a limit in degrees, e.g. "nearest 34.1 deg, allowed 30 deg"."""
+    """Text of the closest approach to a limit, e.g. "nearest 34.1 deg, allowed 30 deg"."""
     word, unit = LIMITS[kind]
     unit = unit.replace("_", "/")
     # Enough digits to tell a small violation from none.
@@ -62,17 +62,17 @@ def limit_text(kind: str, value: float, allowed: float, time: float, satisfied: 
 
 
 def broken_limit(extreme: Extreme) -> str:
-    """A limit that a flight breaks, in words."""
+    """Sentence on a limit that a flight breaks."""
     e = extreme
     text = limit_text(e.kind, math.degrees(e.value), math.degrees(e.allowed), e.time, e.satisfied)
     return f"{limit_label(e.kind, e.name)} is broken: {text}"
 
 
 def short(value: float | None, digits: int = 4) -> str:
-    """A number with few digits; empty where there is none."""
+    """Text of a number with few digits; empty for None."""
     return "" if value is None else f"{value:.{digits}g}"
 
 
 def plural(count: int, word: str) -> str:
-    """A count with its noun, e.g. "1 start", "2 starts"."""
+    """Text of a count with its noun, e.g. "1 start", "2 starts"."""
     return f"{count} {word}{'' if count == 1 else 's'}"

@@ -1,4 +1,4 @@
-"""Results in netCDF files."""
+"""Write and read results as netCDF files."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 def write_archive(result: Answer, path: str | Path) -> None:
-    """Write `to_dataset(result)` as a netCDF file, whole or not at all."""
+    """Write `to_dataset(result)` as a netCDF file, completely or not at all."""
     with replacing(path) as partial:
         to_dataset(result).to_netcdf(partial, engine="h5netcdf")
 
 
 def open_archive(path: str | Path) -> xarray.Dataset:
-    """Read an archive into memory, so that the file is closed again."""
+    """Read an archive into memory, and close the file."""
     import xarray
 
     return xarray.load_dataset(path, engine="h5netcdf")

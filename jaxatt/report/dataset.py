@@ -1,4 +1,4 @@
-"""A result as a labelled xarray Dataset."""
+"""Conversion of a result to a labelled xarray Dataset."""
 
 from __future__ import annotations
 
@@ -37,7 +37,8 @@ _ERROR_UNITS = {"attitude": "rad", "rate": "rad/s", "waypoint": "rad", "state": 
 
 
 def to_dataset(result: Answer) -> xarray.Dataset:
-    """Labelled arrays of a result, SI units and radians, with what made them as attributes.
+    """Labelled arrays of a result in SI units and radians, with settings and versions as
+    attributes.
 
     Dimensions are `time` (nodes, from the phase's start [s]), `interval`, `axis`, `wheel`,
     `quaternion` (scalar first) and `start`, and those of the family's own; where the case has
@@ -125,7 +126,7 @@ def _times(phase: Phase, nodes: str = "time") -> dict[str, Variable]:
 
 
 def _numbers(phase: Phase) -> dict[str, Variable]:
-    """Numbers of the nodes, where their times differ from phase to phase."""
+    """Node numbers, for results whose node times differ from phase to phase."""
     return {"time": (("time",), np.arange(len(node_times(phase))), {"long_name": "node"})}
 
 

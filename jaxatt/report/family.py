@@ -1,4 +1,4 @@
-"""What the family of an answer adds to its report."""
+"""Look up the sections that a family adds to a report."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from jaxatt.records.phase import Phase
 
 
 def sections_of(answer: Answer) -> Sections:
-    """What the family of an answer adds to its report."""
+    """Sections that the family of an answer adds to its report."""
     return sections_of_phase(answer.phases[0])
 
 
 def sections_of_phase(phase: Phase) -> Sections:
-    """What the family of a phase adds to a report."""
+    """Sections that the family of a phase adds to a report."""
     return family_named(phase.family).sections

@@ -1,4 +1,4 @@
-"""A simulation as a labelled xarray Dataset."""
+"""Conversion of a simulation to a labelled xarray Dataset."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _SERIES = {
 
 
 def flight_dataset(result: FlightRecord) -> xarray.Dataset:
-    """Dimensions run, time (records [s]), axis, wheel, quaternion (scalar first) and channel."""
+    """Dataset with dimensions run, time (records [s]), axis, wheel, quaternion and channel."""
     import xarray
 
     unit = "rad" if result.scenario.signal == "attitude" else "rad/s"

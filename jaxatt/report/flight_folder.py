@@ -1,4 +1,4 @@
-"""Everything of a simulation in one folder."""
+"""Write all files of a simulation into one folder."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxatt.runtime.json_files import write_json
 
 
 def save_flight(result: FlightRecord, folder: str | Path) -> list[Path]:
-    """Write summary, archive and figures; all of them appear, or none."""
+    """Write summary, archive and figures; either all of them appear, or none."""
     with filling(folder) as partial:
         write_json(flight_summary(result), partial / "summary.json")
         flight_dataset(result).to_netcdf(partial / "flight.nc", engine="h5netcdf")

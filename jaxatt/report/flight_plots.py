@@ -1,4 +1,4 @@
-"""Figures of a simulation: every quantity over time, and the phase plane."""
+"""Figures of a simulation: every quantity over time, and phase portraits."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _series(result: FlightRecord) -> list[tuple[str, Floats, list[str]]]:
 
 
 def overview(result: FlightRecord) -> Picture:
-    """Median, the middle 50 and 90 % of the runs that flew to the end, over time."""
+    """Plot median and central 50 and 90 % of the runs that flew to the end, over time."""
     rows = _series(result)
     head = _head(result)
     if result.runs > 1:
@@ -86,12 +86,12 @@ def _command(axes: Axes, result: FlightRecord) -> None:
 
 
 def phase_portrait(result: FlightRecord) -> Picture:
-    """Rate error over attitude error, an axis a panel."""
+    """Plot rate error against attitude error, an axis a panel."""
     return portraits({result.law: result})
 
 
 def portraits(results: Mapping[str, FlightRecord]) -> Picture:
-    """Phase portraits of several laws in the same panels."""
+    """Plot the phase portraits of several laws in the same panels."""
     first = next(iter(results.values()))
     moving = _moving(list(results.values()))
     head = first.scenario.title if len(results) > 1 else _head(first)
@@ -127,7 +127,7 @@ def portraits(results: Mapping[str, FlightRecord]) -> Picture:
 
 
 def _moving(results: list[FlightRecord]) -> list[int]:
-    """Axes on which some run leaves the reference; all of them where none does."""
+    """Axes on which some run leaves the reference; all axes where none does."""
     largest = np.zeros(len(AXES))
     for result in results:
         rate = np.degrees(np.asarray(result.flown.recorded.rate_error))
@@ -139,7 +139,7 @@ def _moving(results: list[FlightRecord]) -> list[int]:
 
 
 def compare(results: Mapping[str, FlightRecord]) -> Picture:
-    """Nominal runs side by side: a column for each law."""
+    """Plot nominal runs side by side, a column for each law."""
     first = next(iter(results.values()))
     rows = len(_series(first))
     figure = picture(4.2 * len(results), 1.9 * rows, first.scenario.title)

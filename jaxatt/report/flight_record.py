@@ -1,4 +1,4 @@
-"""A simulation as a plain record: the runs, their figures, and what made them."""
+"""A simulation as a plain record: the runs, their figures, and the settings that made them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ ENDINGS = {
 
 @dataclass(frozen=True, eq=False)
 class FlightRecord:
-    """One law flown in R runs.
+    """Record of one law flown in R runs.
 
     law : its name in the scenario.  flown : arrays with leading axis R.
     reference : (records, 4), asked attitude q_d.  spread : None for the nominal run.
@@ -52,13 +52,13 @@ class FlightRecord:
 
     @property
     def settled(self) -> Flags:
-        """Which of them settled on every axis, (R,)."""
+        """Which of the runs that flew to the end settled on every axis, (R,)."""
         axes = np.asarray(self.flown.figures.settling)[:, :3]
         return np.asarray(self.sound & np.isfinite(axes).all(axis=1))
 
     @property
     def failures(self) -> dict[str, list[int]]:
-        """Runs that failed, by what became of them; their figures enter no statistics."""
+        """Numbers of the runs that failed, by cause; their figures enter no statistics."""
         what = np.asarray(self.flown.what)
         named = ((ENDINGS[code], np.flatnonzero(what == code).tolist()) for code in ENDINGS if code)
         return {words: rows for words, rows in named if rows}
@@ -70,9 +70,10 @@ class FlightRecord:
         return np.asarray(np.arange(1, timing.records + 1) * (timing.duration / timing.records))
 
     def figure(self, name: str) -> Floats:
-        """A figure of every run that flew to the end: one of `jaxatt.simulation.settling.Figures`
-        or "settling_worst", the settling time of the slowest axis; not a number where a run never
-        settles.
+        """Values of a figure for the runs that flew to the end.
+
+        name : one of `jaxatt.simulation.settling.Figures`, or "settling_worst", the settling time
+        of the slowest axis. Not a number where a run never settles.
         """
         rows = self.sound
         if name == "settling_worst":

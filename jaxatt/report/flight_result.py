@@ -1,4 +1,4 @@
-"""What a simulation returns: its record with everything that shows it."""
+"""Result of a simulation, which prints, draws and saves itself."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class FlightResult(FlightRecord):
     """A simulation that prints, draws and saves itself; the fields are those of `FlightRecord`."""
 
     def summary(self) -> dict[str, Any]:
-        """Plain numbers under stable names, ready for JSON."""
+        """Return plain numbers under stable names, ready for JSON."""
         return flight_summary(self)
 
     def to_dataset(self) -> xarray.Dataset:
-        """Labelled arrays, SI units and radians, with what made them as attributes."""
+        """Return labelled arrays in SI units and radians, with settings as attributes."""
         return flight_dataset(self)
 
     def plot(self) -> Figure:
-        """Overview: errors, rates, torques and wheel speeds, as bands where there are many runs."""
+        """Plot errors, rates, torques and wheel speeds, as bands where there are many runs."""
         return overview(self)
 
     def save(self, folder: str | Path) -> list[Path]:

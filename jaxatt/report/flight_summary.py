@@ -1,4 +1,4 @@
-"""A simulation in plain numbers under stable names."""
+"""A simulation as plain numbers under stable names."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def units(result: FlightRecord) -> tuple[str, float]:
 
 
 def flight_summary(result: FlightRecord) -> dict[str, Any]:
-    """Percentiles over the runs that flew to the end; what failed is counted and named."""
+    """Percentiles over the runs that flew to the end, and the number of failures by cause."""
     unit, factor = units(result)
     settling = result.figure("settling")
     rms, final = factor * result.figure("rms"), factor * np.abs(result.figure("final"))
@@ -60,7 +60,7 @@ def flight_summary(result: FlightRecord) -> dict[str, Any]:
 
 
 def _percentiles(values: Floats) -> dict[str, float | int | None]:
-    """Percentiles of the finite values; a run that never settles has none and is counted."""
+    """Percentiles of the finite values, and the number of runs that never settle."""
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return {"count": 0}

@@ -1,4 +1,4 @@
-"""The table of a simulation."""
+"""Tables of a simulation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxatt.simulation.settling import CHANNELS
 
 
 def flight_table(result: FlightRecord) -> Table:
-    """Median and percentiles of every figure, and how the runs ended."""
+    """Table of median and percentiles of every figure, and of how the runs ended."""
     numbers = flight_summary(result)
     many = result.runs > 1
     title = f"{result.scenario.title}\n{numbers['title']}: {plural(result.runs, 'run')}"
@@ -74,7 +74,7 @@ _LABELS = {
 
 
 def comparison_table(scenario: FlightScenario, lines: Sequence[Mapping[str, Any]]) -> Table:
-    """Obtained beside printed, a line a figure; what is not reproduced says why.
+    """Table of obtained and printed figures, with the reason where one is not reproduced.
 
     lines : as `jaxatt.studies.flight_comparison.Line` holds them.
     """

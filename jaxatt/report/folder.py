@@ -1,4 +1,4 @@
-"""Everything of a result in one folder."""
+"""Write all files of a result into one folder."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxatt.runtime.files import filling
 
 
 def save(result: Answer, folder: str | Path) -> list[Path]:
-    """Write summary, archive and figures; all of them appear, or none."""
+    """Write summary, archive and figures; either all of them appear, or none."""
     with filling(folder) as partial:
         write_summary(result, partial / "summary.json")
         write_archive(result, partial / "result.nc")

@@ -1,4 +1,4 @@
-"""The largest torques that a set of wheels can give about the body axes."""
+"""Largest torques that a set of wheels can give about the body axes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _MARGIN = 1e-9
 
 
 def body_torque_limit(wheels: ReactionWheels, allocated: bool) -> Floats:
-    """Largest torque about each body axis, whatever acts about the others, (3,) [N m].
+    """Largest torque (3,) [N m] about each body axis, whatever acts about the others.
 
     allocated : whether the Moore-Penrose allocation shares a body torque out to the wheels; it
     gives less than wheels that are commanded one by one.

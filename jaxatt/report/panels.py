@@ -1,4 +1,4 @@
-"""One quantity of a spacecraft, or of any system, over time, drawn into given axes."""
+"""Panels that show one quantity of a system over time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
 
 
 def shade(axes: Axes, result: Answer, legend: bool = True) -> None:
-    """Shade what the family shades and the coasting tail, and mark where a phase ends."""
+    """Shade the coasting tail and the family's windows, and mark the end of each phase."""
     line = timeline(result.phases)
     handles: list[Artist] = []
     for shaded in sections_of(result).shades(result):
@@ -59,7 +59,7 @@ def shade(axes: Axes, result: Answer, legend: bool = True) -> None:
 
 
 def euler_angles(axes: Axes, result: Answer) -> None:
-    """Roll, pitch and yaw with dotted references."""
+    """Draw roll, pitch and yaw with dotted references."""
     line = timeline(result.phases)
     angles = np.unwrap(np.asarray(_euler(line.nodes["q_ob"])), axis=0)
     lines(axes, line.time, np.degrees(angles), ANGLES)
@@ -82,7 +82,7 @@ def euler_angles(axes: Axes, result: Answer) -> None:
 
 
 def relative_rate(axes: Axes, result: Answer) -> None:
-    """Rate of the body relative to the orbit frame."""
+    """Draw the rate of the body relative to the orbit frame."""
     line = timeline(result.phases)
     names = [rf"$\omega_{axis}$" for axis in AXES]
     lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), names)
@@ -94,7 +94,7 @@ def relative_rate(axes: Axes, result: Answer) -> None:
 
 
 def wheel_speeds(axes: Axes, result: Answer) -> None:
-    """Speed of each wheel relative to the body, with limits where there are any."""
+    """Draw the speed of each wheel relative to the body, with limits where there are any."""
     line = timeline(result.phases)
     speeds = line.nodes["omega_bw"] * _RPM
     lines(axes, line.time, speeds, [f"wheel {i + 1}" for i in range(speeds.shape[1])])
@@ -106,7 +106,7 @@ def wheel_speeds(axes: Axes, result: Answer) -> None:
 
 
 def torque_rows(result: Answer, kind: str) -> list[tuple[Floats, str, float]]:
-    """Values (I,), name and limit of each torque in mN m; "body", "wheels" or "thrusters"."""
+    """Values (I,), name and limit of each torque [mN m]; kind : "body", "wheels" or "thrusters"."""
     vehicle = result.scenario.vehicle
     assert vehicle is not None
     if kind == "thrusters":
@@ -124,7 +124,7 @@ def torque_rows(result: Answer, kind: str) -> list[tuple[Floats, str, float]]:
 
 
 def torque(axes: Axes, result: Answer, kind: str) -> None:
-    """All torques of a kind in one panel."""
+    """Draw all torques of a kind in one panel."""
     line = timeline(result.phases)
     for index, (values, name, limit) in enumerate(torque_rows(result, kind)):
         pulses(axes, line.edges, values, index, name, limit, opacity=0.15)
@@ -134,7 +134,7 @@ def torque(axes: Axes, result: Answer, kind: str) -> None:
 
 
 def quaternion_components(axes: Axes, result: Answer) -> None:
-    """Components of the attitude quaternion with dotted references, of the sign nearer the end."""
+    """Draw the attitude quaternion with dotted references, in the sign nearer the end."""
     line = timeline(result.phases)
     values = line.nodes["q_ob"]
     signs = np.cumprod(
@@ -156,7 +156,7 @@ def _nearest_turn(angles: Floats, to: Floats) -> Floats:
 
 
 def nodes(axes: Axes, result: Answer, name: str) -> None:
-    """Any series at nodes, with its dotted target where it has one."""
+    """Draw any series at nodes, with its dotted target where it has one."""
     line = timeline(result.phases)
     values = _columns(line.nodes[name])
     lines(axes, line.time, values, _names(name, values))
@@ -167,7 +167,7 @@ def nodes(axes: Axes, result: Answer, name: str) -> None:
 
 
 def intervals(axes: Axes, result: Answer, name: str) -> None:
-    """Any series that is held over intervals."""
+    """Draw any series that is held over intervals."""
     line = timeline(result.phases)
     values = _columns(line.intervals[name])
     for index, words in enumerate(_names(name, values)):

@@ -1,4 +1,4 @@
-"""Figures of a result: one overview, and one file for each quantity."""
+"""Figures of a result: an overview, and one figure for each quantity."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _DRAWN = ("q_ob", "omega_ob", "omega_ib", "omega_bw", *panels.TORQUES)
 
 
 def plot(result: Answer) -> Picture:
-    """Overview: every quantity over time, and how all starts ended."""
+    """Plot the overview: every quantity over time, and the outcome of all starts."""
     chosen = list(_panels(result).values())
     phases = len(result.phases)
     figure = picture(9.0, 1.75 * len(chosen) + 3.2, headline(result))
@@ -56,7 +56,7 @@ def plot(result: Answer) -> Picture:
 
 
 def figures(result: Answer) -> dict[str, Picture]:
-    """Every figure by its name, the overview included."""
+    """All figures by their names, the overview included."""
     made = {"overview": plot(result)}
     for name, panel in _panels(result).items():
         if name in panels.TORQUES and result.scenario.vehicle is not None:
@@ -86,7 +86,7 @@ def save_figures(result: Answer, folder: str | Path) -> list[Path]:
 
 
 def compare(results: Mapping[str, Answer]) -> Picture:
-    """Answers side by side: a column for each controller, as the source's figures show them."""
+    """Plot answers side by side, a column for each controller, as in the source's figures."""
     chosen = list(_panels(next(iter(results.values()))).values())
     title = next(iter(results.values())).scenario.title
     figure = picture(5.2 * len(results), 2.1 * len(chosen), title)
@@ -108,7 +108,7 @@ def compare(results: Mapping[str, Answer]) -> Picture:
 
 
 def headline(result: Answer) -> str:
-    """Two lines for the head of a figure."""
+    """Two title lines of a figure."""
     kind = objective_title(result.scenario.objective.kind)
     found = result.phases[0].section.headline(result.phases)
     return f"{result.scenario.title}\n{kind}: {found}, {result.status}"
@@ -119,7 +119,7 @@ def _panels(result: Answer) -> Mapping[str, Panel]:
 
 
 def _common(result: Answer) -> Mapping[str, Panel]:
-    """Panels that every answer about such a system has: the spacecraft's, then any other series."""
+    """Panels that any answer of such a system has: the spacecraft's, then any other series."""
     vehicle, line = result.scenario.vehicle, timeline(result.phases)
     chosen: dict[str, Panel] = {}
     if vehicle is not None:
@@ -136,13 +136,13 @@ def _any(draw: Callable[[Axes, Answer, str], None], name: str) -> Panel:
 
 
 def _torques(axes: Axes, result: Answer, kind: str) -> None:
-    """All torques of a kind in one panel, with what the family marks in them."""
+    """Draw all torques of a kind in one panel, with the family's marks."""
     panels.torque(axes, result, kind)
     sections_of(result).mark(axes, result, kind, None)
 
 
 def _torque(result: Answer, kind: str) -> Picture:
-    """One row for each torque, so that short pulses of different axes do not hide each other."""
+    """Plot one row for each torque, so that short pulses of different axes stay visible."""
     rows = panels.torque_rows(result, kind)
     line = timeline(result.phases)
     figure = picture(8.0, 1.4 * len(rows) + 1.2, result.scenario.title)

@@ -1,4 +1,4 @@
-"""Figure of pointing limits: every cone's angle over time, and its boresight's path on a map."""
+"""Figure of pointing limits: angles of the cones over time, and boresights on a sky map."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _RING = 361
 
 
 def pointing_figure(result: Answer) -> Picture:
-    """Angles above, maps in inertial axes below; one column a cone."""
+    """Plot angles over time above sky maps in inertial axes, one column a cone."""
     count = max(
         phase.pointing.angles.shape[1] for phase in result.phases if phase.pointing is not None
     )
@@ -30,7 +30,7 @@ def pointing_figure(result: Answer) -> Picture:
 
 
 def _angles(axes: Axes, result: Answer, index: int) -> None:
-    """Angle of one cone over time, what it forbids shaded."""
+    """Draw the angle of one cone over time, with the forbidden range shaded."""
     end = 0.0
     for phase in result.phases:
         record = phase.pointing
@@ -72,7 +72,7 @@ def _angles(axes: Axes, result: Answer, index: int) -> None:
 
 
 def _map(axes: Axes, result: Answer, index: int) -> None:
-    """Path of a boresight in inertial axes with the cone where it is met most closely."""
+    """Draw the path of a boresight on the sky, with the cone at its closest instant."""
     for phase in result.phases:
         record = phase.pointing
         assert record is not None

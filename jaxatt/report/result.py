@@ -1,4 +1,4 @@
-"""What a solve returns: the answer with everything that shows it."""
+"""Result of a solve, which prints, draws and saves itself."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class Result(Answer):
     """An answer that prints, draws and saves itself; the fields are those of `Answer`."""
 
     def summary(self) -> dict[str, Any]:
-        """Plain numbers under stable names, ready for JSON."""
+        """Return plain numbers under stable names, ready for JSON."""
         return summary(self)
 
     def to_dataset(self) -> xarray.Dataset:
-        """Labelled arrays, SI units and radians, with what made them as attributes."""
+        """Return labelled arrays in SI units and radians, with settings as attributes."""
         return to_dataset(self)
 
     def plot(self) -> Figure:
-        """Overview figure: every quantity over time, and how all starts ended."""
+        """Plot the overview: every quantity over time, and the outcome of all starts."""
         return plot(self)
 
     def save(self, folder: str | Path) -> list[Path]:

@@ -1,4 +1,4 @@
-"""All starts of one phase: effort against active intervals."""
+"""Panel of all starts of a phase: effort against active intervals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxatt.records.phase import Phase
 
 
 def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
-    """Mark starts that reached the target, those that did not, and the answer."""
+    """Mark starts that reached the target, starts that did not, and the answer."""
     starts, unit = phase.starts, 1.0 if unitless else 1e3
     count = np.asarray(starts.active_intervals, float)
     long_way = np.zeros(len(count), bool) if starts.long_way is None else starts.long_way

@@ -1,4 +1,4 @@
-"""A result in plain numbers under stable names, as `summary.json` holds it.
+"""A result as plain numbers under stable names, as `summary.json` holds it.
 
 Where a case has several phases, the top level adds up costs, counts, efforts, times, starts, shifts
 the interval indices of phase k (counted from zero) by k N, and takes errors and violations from the
@@ -101,7 +101,7 @@ def write_summary(result: Answer, path: str | Path) -> None:
 
 
 def do_nothing_cost(result: Answer) -> float | None:
-    """The printed cost of applying no torque at all, where it is known."""
+    """Printed cost of applying no torque at all, where it is known."""
     known = result.extra.get("do_nothing_cost")
     if known is not None:
         return float(known)
@@ -110,7 +110,7 @@ def do_nothing_cost(result: Answer) -> float | None:
 
 
 def starts_summary(starts: StartsRecord) -> dict[str, int]:
-    """How many starts were made, converged and reached, and how many answers differ."""
+    """Number of starts made, converged and reached, and number of different answers."""
     return {
         "requested": len(starts.status),
         "converged": int((starts.status == int(Status.CONVERGED)).sum()),

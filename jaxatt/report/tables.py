@@ -1,4 +1,4 @@
-"""Tables for the terminal and for notebooks."""
+"""Tables of results for the terminal and for notebooks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ERRORS = (
 
 
 def result_table(result: Answer) -> Table:
-    """What came out, how well it was met, what all starts did and how long it took."""
+    """Table of the answer, its errors, the outcome of all starts and the time it took."""
     numbers = summary(result)
     blocks: list[Block] = list(numbers["legs"])
     names = [f"leg {block['leg']}" for block in blocks]
@@ -61,7 +61,7 @@ def comparison_table(
     printed: Mapping[str, Any] | None = None,
     findings: Sequence[str] = (),
 ) -> Group:
-    """Rows of a comparison: what was found with the printed values beside, then how good it is.
+    """Table of obtained and printed values, followed by the quality of the answers.
 
     rows : as `jaxatt.studies.comparison.Row.to_dict` gives them.
     printed : the scenario's printed values.
@@ -121,7 +121,7 @@ def comparison_table(
 
 
 def sparsity_table(study: Mapping[str, Any]) -> Group:
-    """A study of relative sparsity, as its own `to_dict` gives it."""
+    """Table of a study of relative sparsity, from its `to_dict`."""
     tables = []
     for key, title in (
         ("against_intervals", "Relative sparsity against intervals"),
@@ -149,7 +149,7 @@ def _share(row: Mapping[str, Any]) -> str:
 
 
 def _printed(printed: Mapping[str, Any]) -> Text:
-    """What the source prints beyond counts, by name."""
+    """Text of what the source prints besides counts."""
     values = {
         name: value
         for block in printed.values()
@@ -175,7 +175,7 @@ def _controllers(headers: Sequence[str], title: str) -> Table:
 
 
 def do_nothing_sentence(result: Answer) -> str:
-    """Say so where the printed cost is lowest at rest, or tumbling, short of the target."""
+    """Sentence for cases whose printed cost is lowest at rest, or tumbling, off the target."""
     cost = do_nothing_cost(result)
     if result.scenario.objective.terminal != "penalty" or cost is None:
         return ""
@@ -239,7 +239,7 @@ def _rows(result: Answer) -> list[Row]:
 
 
 def _limit(index: int) -> Callable[[Block], str | Text]:
-    """How a block kept to one cone or rate limit; of phases together each says it for itself."""
+    """Function that states how a phase kept one cone or rate limit; several phases say it each."""
 
     def show(block: Block) -> str | Text:
         entries = block["pointing"]

@@ -1,4 +1,4 @@
-"""Output folders that are checked before the work, and files that are never half-written."""
+"""Output folders that are checked before the work, and files that are written completely or not."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pathlib import Path
 
 
 class OutputError(ValueError):
-    """A folder in which nothing can be written: names it, and says how to mend it."""
+    """An output folder that cannot be written: the message names it and says how to mend it."""
 
 
 def prepare_folder(path: str | Path) -> Path:
-    """Check that files can be written into a folder; whatever had to be made for that is removed.
+    """Check that files can be written into a folder, and leave no trace of the check.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def prepare_folder(path: str | Path) -> Path:
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """Give a temporary name beside `path`, which takes its place when all has gone well."""
+    """Give a temporary path beside `path`, and rename it to `path` on success."""
     path = Path(path)
     partial = path.with_name(f".{path.stem}-{os.getpid()}{path.suffix}")
     try:
@@ -53,7 +53,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 @contextmanager
 def filling(path: str | Path) -> Iterator[Path]:
-    """Give a temporary folder in `path`, whose files move into `path` when all has gone well."""
+    """Give a temporary folder in `path`, and move its files into `path` on success."""
     folder = prepare_folder(path)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".partial-", dir=folder) as partial:

@@ -1,4 +1,4 @@
-"""Mappings as JSON files that any reader can read: no NaN, no arrays."""
+"""Write JSON files that any reader can read: no NaN, no arrays."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from jaxatt.runtime.files import replacing
 
 
 def write_json(content: Mapping[str, Any], path: str | Path) -> None:
-    """Write a mapping as a JSON file, whole or not at all."""
+    """Write a mapping as a JSON file, completely or not at all."""
     with replacing(path) as partial:
         partial.write_text(json.dumps(plain(content), indent=2) + "\n", encoding="utf-8")
 
 
 def plain(value: Any) -> Any:
-    """Return plain Python for JSON; numbers that are not finite become None."""
+    """Convert to plain Python for JSON; numbers that are not finite become None."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

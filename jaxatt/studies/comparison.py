@@ -239,7 +239,7 @@ def _optimised_in(scenario: scenarios.Scenario) -> str:
 
 
 def _valve_rows(scenario: scenarios.Scenario, kind: str, result: Result) -> list[Row]:
-    """The answer after quantisation, both ways."""
+    """Figures of the answer after both kinds of quantisation."""
     found = [sparse_section(phase).quantised for phase in result.phases]
     if not all(found):
         return []

@@ -174,7 +174,7 @@ def relative_sparsity(
 def attainable(
     scenario: scenarios.Scenario | str | Path, size: int, report: Report | None = None
 ) -> Attainable:
-    """Whether `size` active intervals suffice for the first target of a scenario with thrusters."""
+    """Test whether `size` active intervals suffice for the first target of such a scenario."""
     task = build_slew(_with_thrusters(scenario)).reaching()
     progress = None if report is None else lambda done: report("trying bursts at both ends", done)
     method = Method("l0", progress=progress)

@@ -1,4 +1,4 @@
-"""What was shown of an answer by trying the supports that cost less, or as much."""
+"""Record of trying the supports that cost less than an answer, or as much."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jaxatt.runtime.arrays import Flags
 
 @dataclass(frozen=True)
 class ClassRecord:
-    """What became of the supports of one class.
+    """Outcome of trying the supports of one class.
 
     kind : which supports.  short, long : tried the short and the long way round; None if the class
     is out of reach, or where there is but one way.  seconds : wall clock, or what it would take.
@@ -33,7 +33,7 @@ class ClassRecord:
 
     @property
     def reached(self) -> Flags:
-        """(S,) supports that reach one way round or the other."""
+        """Which supports reach the target one way round or the other, (S,)."""
         if self.short is None:
             return np.zeros(0, bool)
         return self.short.reached if self.long is None else self.short.reached | self.long.reached
@@ -61,13 +61,13 @@ class PhaseCertificate:
 
     @property
     def minimal(self) -> bool:
-        """Whether every cheaper support was tried, by a method to be trusted, and none reached."""
+        """Whether every cheaper support was tried with a reliable method and none reached."""
         nothing = all(record.tried and not record.reached.any() for record in self.cheaper)
         return self.found.reached and self.consistent and nothing
 
     @property
     def refuted(self) -> bool:
-        """Whether a cheaper support reaches."""
+        """Whether a cheaper support reaches the target."""
         return any(record.reached.any() for record in self.cheaper)
 
 
@@ -80,5 +80,5 @@ class CertificateRecord:
 
     @property
     def minimal(self) -> bool:
-        """Whether no phase has a cheaper support that reaches, all of them tried."""
+        """Whether all cheaper supports of every phase were tried and none reached."""
         return all(phase.minimal for phase in self.phases)

@@ -1,4 +1,4 @@
-"""Sparse control of a spacecraft, with wheels and thrusters, as a family of problems."""
+"""The family of sparse control of a spacecraft, with wheels and thrusters."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from jaxatt.runtime.chunks import Report
 
 
 class SparseAnswer(NamedTuple):
-    """What the search of one phase returns; tried : final times, where it is free."""
+    """Outcome of the search of one phase; tried : final times, where it is free."""
 
     task: Task
     found: Found
@@ -39,12 +39,12 @@ class SparseAnswer(NamedTuple):
 
 
 class SparseFamily(Family):
-    """Families whose problem is sparse control: they differ in the system that is controlled."""
+    """Base of the families of sparse control, which differ in the system that is controlled."""
 
     kinds = SPARSE_KINDS
 
     def build(self, scenario: Scenario, start: PhaseStart) -> Build:
-        """What makes the task of a phase, at the scenario's final time or at another."""
+        """Function that builds the task of a phase, at the scenario's final time or another."""
         raise NotImplementedError
 
     def fly(self, task: Any, controls: Floats) -> Flown:
@@ -52,7 +52,7 @@ class SparseFamily(Family):
         raise NotImplementedError
 
     def check(self, scenario: Scenario, options: SearchOptions) -> None:
-        """Guesses and inner minimisers are checked by the search, which knows the task."""
+        """Leave guesses and inner minimisers to the search, which knows the task."""
 
     def search(
         self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None
@@ -96,7 +96,7 @@ class SparseFamily(Family):
 
 
 class HandsOff(SparseFamily):
-    """Maximum hands-off, moving hands-off and L1 control of a spacecraft."""
+    """Family of maximum hands-off, moving hands-off and L1 control of a spacecraft."""
 
     name = "hands-off"
     systems = (SPACECRAFT,)

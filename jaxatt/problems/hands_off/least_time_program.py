@@ -1,4 +1,4 @@
-"""Least time on a frozen support: a programme in which the step of the grid is a variable.
+"""Programme for the least final time of a fixed support, with time dilation.
 
 Time is dilated: the variables are the scaled controls and, in a column of their own, the logarithm
 r of the step's ratio to the plant's.  The plant's tables stay as they are by interval: what moves
@@ -17,18 +17,18 @@ from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSyst
 
 
 def controls_of(x: Array) -> Array:
-    """Scaled controls (N, b) of the variables (N, b + 1)."""
+    """Scaled controls (N, b), taken from the variables (N, b + 1)."""
     return x[:, :-1]
 
 
 def log_ratio(x: Array) -> Array:
-    """r of the variables; the other entries of its column are held at zero."""
+    """Log of the time dilation r; the other entries of its column are held at zero."""
     return x[0, -1]
 
 
 @functools.cache
 def least_time_program(system: SparseSystem) -> Program:
-    """Minimise r such that the rows vanish within limits and path constraints.
+    """Programme that minimises r subject to the rows, limits and path constraints.
 
     The objective is linear, so the smoothing enters as curvature alone, as in `slack_program`.
     """

@@ -1,4 +1,4 @@
-"""The PD law flown on a slew: a baseline, and a first guess."""
+"""PD law on a slew, as a baseline and as a first guess."""
 
 from __future__ import annotations
 

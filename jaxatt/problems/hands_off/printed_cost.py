@@ -1,4 +1,4 @@
-"""What the sources' objectives charge for active intervals and for valves that are partly open."""
+"""Cost of active intervals and of partly open valves in the sources' objectives."""
 
 from __future__ import annotations
 

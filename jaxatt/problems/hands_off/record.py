@@ -1,4 +1,4 @@
-"""What only an answer of sparse control has: windows, valves, the final times that were tried."""
+"""Data that only an answer of sparse control has: windows, valves, final times that were tried."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jaxatt.runtime.arrays import Flags, Floats
 
 @dataclass(frozen=True, eq=False)
 class Valves:
-    """An answer whose thrusters are open or shut, as it flew.
+    """Flight of an answer whose thrusters are fully open or shut.
 
     mode : "pulse-width" or "interval".  opens, shuts : (N, m) [s] from each interval's start.
     q_ob : (M, 4), omega_ob : (M, 3) [rad/s] at the M nodes of the flight.
@@ -46,7 +46,7 @@ class Valves:
 
 @dataclass(frozen=True, eq=False)
 class FinalTimes:
-    """The final times that were tried where it is free; leading axis K, in the order of trying.
+    """Final times that were tried where it is free; leading axis K, in the order of trying.
 
     time_weight : [1/s], cost of a second in active intervals.  cost : of the answer, with its time.
     final_time : (K,) [s].  costs : (K,), infinite where nothing reached.  active_intervals,
@@ -68,7 +68,7 @@ class FinalTimes:
 
 @dataclass(frozen=True, eq=False)
 class SparseSection(Section):
-    """What a phase of sparse control has beside what every phase has.
+    """Data of a phase of sparse control beyond what every phase has.
 
     weight : (N,), h_k.  window : (N,), intervals in a cheap window.
     forbidden : (N,), intervals where torque is not allowed.
@@ -94,11 +94,11 @@ class SparseSection(Section):
         return int((active & ~self.window).sum())
 
     def headline(self, phases: Sequence[Phase]) -> str:
-        """The count of active intervals."""
+        """Text of the number of active intervals."""
         return plural(sum(phase.active_intervals for phase in phases), "active interval")
 
     def brief(self, phases: Sequence[Phase]) -> str:
-        """The count of active intervals and which they are, phase by phase."""
+        """Text of the number of active intervals and of their indices, phase by phase."""
         found = (indices_text(np.flatnonzero(phase.active).tolist()) for phase in phases)
         return f"{self.headline(phases)}: {' | '.join(found)}"
 

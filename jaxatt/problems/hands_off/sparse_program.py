@@ -1,4 +1,4 @@
-"""Sparse control of any system: the programme behind maximum hands-off, moving hands-off and L1.
+"""Programmes of sparse control for any system: maximum hands-off, moving hands-off and L1.
 
 A system brings the rows that must vanish at the end, its path constraints and its control limits;
 this module adds the objective.  Nothing here knows of spacecraft.
@@ -85,7 +85,7 @@ class SparseSystem:
     label: str | None = None
 
     def linearise(self, plant: Any) -> Linearise:
-        """What a search by weighted steps asks the system."""
+        """Function that linearises the terminal errors for weighted least-norm steps."""
         equations, response = self.equations, self.response
         if equations is not None:
             return lambda u, weights, moved, accurate: equations(u, weights, moved, accurate, plant)
@@ -126,7 +126,7 @@ def sparse_program(system: SparseSystem, shared: bool) -> Program:
 
 
 def with_slacks(u: Array, shared: bool) -> Array:
-    """Controls (..., N, b) with their slacks |u| beside them, as `slack_program` wants them."""
+    """Controls (..., N, b) with their slacks |u| beside them, for `slack_program`."""
     size = jnp.abs(u)
     slack = jnp.max(size, axis=-1, keepdims=True) if shared else size
     return jnp.concatenate([u, slack], axis=-1)

@@ -1,4 +1,4 @@
-"""The sparse objective for systems in stages: `hands_off.sparse_program` one interval at a time."""
+"""Programme of sparse control for systems in stages."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Sparse = tuple[Any, Array, Array]
 
 
 def _inner(function: Any) -> Any:
-    """The same function of (x, u, stage, args), of the system's part of the stage."""
+    """The same function, applied to the system's part of the stage."""
     return lambda x, u, stage, args: function(x, u, stage[0], args)
 
 

@@ -1,4 +1,4 @@
-"""Smooth measures of how many intervals are active, and of how much effort they spend.
+"""Smooth measures of the number of active intervals and of the L1 effort.
 
 The maximum hands-off objective counts active intervals.  While the support is being decided the
 count is replaced by a normalised logarithm, whose majorising curvature 2 w/(|u|^2 + s^2) turns a
@@ -49,7 +49,7 @@ def absolute_effort(u: Array, smoothing: Array) -> Array:
 
 
 def absolute_effort_curvature(u: Array, smoothing: Array) -> Array:
-    """Diagonal curvature for `absolute_effort`: its Hessian, but never much below the majoriser.
+    """Diagonal curvature of `absolute_effort`: its Hessian, bounded below.
 
     The quadratic that majorises the function alone converges linearly; the Hessian alone vanishes
     away from zero and overshoots.
@@ -62,7 +62,7 @@ def absolute_effort_curvature(u: Array, smoothing: Array) -> Array:
 def complementarity_vector(
     torque: npt.ArrayLike, epsilon: float, shared: bool = True
 ) -> npt.NDArray[np.float64]:
-    """Largest xi in [0, 1] with |xi torque| <= epsilon, the optimum of (5.3) for a given torque.
+    """Largest xi in [0, 1] with |xi torque| <= epsilon: the optimum of (5.3).
 
     torque : (..., N, b) [N m].  epsilon : [N m].
     Returns (..., N) for shared complementarity (design 1), (..., N, b) otherwise (5.14).

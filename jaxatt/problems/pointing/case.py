@@ -1,4 +1,4 @@
-"""What a spacecraft must look away from, what it must look at, and how fast it may turn."""
+"""Cones and rate limits of a spacecraft, on the host."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WIDEST = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Cone:
-    """One cone.
+    """A keep-out or keep-in cone.
 
     kind : "keep-out" or "keep-in".  boresight : (3,), unit vector in body axes.
     half_angle : [rad], between 0 and pi.
@@ -37,13 +37,13 @@ class Cone:
 
     @property
     def sense(self) -> float:
-        """`KEEP_IN` or `KEEP_OUT`."""
+        """Sense of the cone, `KEEP_IN` or `KEEP_OUT`."""
         return KEEP_IN if self.kind == "keep-in" else KEEP_OUT
 
 
 @dataclass(frozen=True, eq=False)
 class Pointing:
-    """All of them.
+    """All cones and rate limits of a case.
 
     rate_limit : (3,) [rad/s] on |omega_ib| by body axis; None without limits.
     days : time zero, days since J2000; needed for cones about the sun.

@@ -1,4 +1,4 @@
-"""Where a body may point and how fast it may turn: cones about directions, limits on its rate.
+"""Pointing constraints: cones about directions, and limits on the body rate.
 
 A keep-out cone holds a boresight away from a direction (a star tracker from the sun), a keep-in
 cone holds it near one (an antenna to its ground station).  Boresights are fixed in body axes;
@@ -53,7 +53,7 @@ class PointingLimits:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class PointingPath:
-    """Limits along a flight of N intervals.
+    """Pointing limits along a flight of N intervals.
 
     limits : what holds all the way.  directions : (N + 1, m, 3), unit vectors in inertial axes at
     the nodes.
@@ -73,7 +73,7 @@ NO_POINTING = PointingPath(
 def pointing_margins(
     q_ib: Array, omega_ib: Array, directions: Array, limits: PointingLimits
 ) -> Array:
-    """Margins at one instant, non-negative where the limits hold, (m + 6,), or (m,) without rates.
+    """Margins at one instant, non-negative where limits hold, (m + 6,), or (m,) without rates.
 
     q_ib : (4,), unit norm.  omega_ib : (3,) [rad/s] in body axes.
     directions : (m, 3), unit vectors in inertial axes at that instant.
@@ -94,7 +94,7 @@ def pointing_margins(
 
 
 def cone_margin(cosine: Scalar, edge: Array, sense: Array) -> Array:
-    """Margin () of one cone, whose half angle has the cosine `edge`, at the cosine of its angle."""
+    """Margin () of one cone, from the cosines of its angle and of its half angle."""
     chord, border = (jnp.sqrt(2.0 - 2.0 * c + _ROUNDED * _ROUNDED) for c in (cosine, edge))
     return jnp.asarray(sense * (border - chord) * border * lax.rsqrt(1.0 - edge * edge))
 

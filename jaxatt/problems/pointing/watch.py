@@ -1,4 +1,4 @@
-"""What a fine flight says of pointing limits: angles, the worst of them, and when."""
+"""Check of pointing limits along a fine flight: angles, worst instants, violations."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class ObservedPath:
 
     @property
     def excess(self) -> Floats:
-        """(S, m + 1): by how much each cone is violated [rad], then the rates, as a share.
+        """Violation of each cone [rad], then of the rates as a share, (S, m + 1).
 
         Negative where a limit holds with something to spare; -1 where rates have no limit.
         """
@@ -46,7 +46,7 @@ class ObservedPath:
         return np.concatenate([worst, np.broadcast_to(share, len(worst))[:, None]], axis=1)
 
     def extremes(self, times: Floats) -> tuple[Extreme, ...]:
-        """The worst instant of the first flight for every cone, then for the body rate.
+        """Worst instant of the first flight for every cone, then for the body rate.
 
         times : (T,) [s].
         """
@@ -68,7 +68,7 @@ class ObservedPath:
 
     @property
     def violation(self) -> Floats:
-        """(S,), the largest excess relative to its limit; zero where all hold."""
+        """Largest excess relative to its limit, (S,); zero where all hold."""
         half = np.array([cone.half_angle for cone in self.pointing.cones])
         relative = self.excess / np.append(half, 1.0)
         # A flight that is not a number must not pass for one that holds.
@@ -87,7 +87,7 @@ def _angles(q_ob: Array, q_io: Array, directions: Array, boresights: Array) -> A
 
 
 class PathMonitor:
-    """Watches flights through a table at every Runge-Kutta step.
+    """Computes cone angles and rates of flights at every Runge-Kutta step.
 
     table : environment of the flights.  start : [s], time of its first node.
     """
@@ -117,7 +117,7 @@ class PathMonitor:
         return self.directions[: intervals * self.every + 1 : self.every]
 
     def boresights(self, flown: Trajectory) -> Floats:
-        """Where the cones' boresights point along the first of some flights, (T, m, 3) inertial."""
+        """Directions (T, m, 3) of the cones' boresights along the first flight, inertial."""
         assert flown.fine is not None
         q_ib = quaternion.multiply(self.fine.nodes.orbit_attitude, flown.fine.q_ob[0])
         shape = self.directions.shape

@@ -1,4 +1,4 @@
-"""What every scenario says beside its problem: name, title, source, solver, printed values."""
+"""Read what every scenario has: name, title, source, solver, printed values."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]*")
 
 @dataclass(frozen=True)
 class Heading:
-    """The fields of `Scenario` of these names."""
+    """Fields of `Scenario` that do not depend on its problem."""
 
     name: str
     title: str
@@ -33,7 +33,7 @@ def read_heading(
     tables: Mapping[str, tuple[str, ...]],
     required: tuple[str, ...],
 ) -> Heading:
-    """Return the checked heading of a document whose top level holds these tables.
+    """Read the heading of a document whose top level holds these tables.
 
     required : tables that must be there.
     """
@@ -65,7 +65,7 @@ def read_heading(
 
 
 def read_solver(data: Any, origin: str) -> SolverSettings:
-    """Return the checked number of starts and the seed."""
+    """Read the number of starts and the seed."""
     table = Table(data, origin, "[solver]", SPACECRAFT_TABLES["solver"])
     return SolverSettings(
         starts=table.integer("starts", 64), seed=table.integer("seed", 0, at_least=0)

@@ -23,7 +23,7 @@ def nearest_whole(value: float) -> int:
 
 
 def read_initial(data: Any, origin: str, vehicle: Spacecraft, notes: list[str]) -> InitialState:
-    """Return the checked start of a spacecraft."""
+    """Read the initial state of a spacecraft."""
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
     count = vehicle.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
@@ -39,7 +39,7 @@ def read_initial(data: Any, origin: str, vehicle: Spacecraft, notes: list[str]) 
 
 
 def read_targets(document: dict[str, Any], origin: str, notes: list[str]) -> tuple[Target, ...]:
-    """Return the checked target, or one target for each of the [[legs]]."""
+    """Read the target, or one target for each of the [[legs]]."""
     if "target" in document and "legs" in document:
         raise ScenarioError(
             f"{origin}: [target] and [[legs]] are both given; keep [target] for one manoeuvre or "

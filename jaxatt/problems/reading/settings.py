@@ -1,4 +1,4 @@
-"""The plain numbers of a scenario: orbit, horizon, disturbances."""
+"""Read orbit, horizon and disturbances of a scenario."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _days(table: Table) -> float | None:
 
 
 def read_horizon(data: Any, origin: str) -> Horizon:
-    """Return the checked horizon: its length, fixed or free within limits, and its intervals."""
+    """Read the horizon: its length, fixed or free within limits, and its intervals."""
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
     free, shortest, longest = read_final_time(table)
     default = longest if math.isfinite(longest) else None

@@ -1,4 +1,4 @@
-"""Actuators as controls between two limits: wheels one by one, opposed thrusters as one.
+"""Actuators as bounded controls: each wheel alone, opposed thrusters as a pair.
 
 Two thrusters of exactly opposite torques are one control: its positive part opens the first, its
 negative part the second.  The pair alone would leave open by how much both push against each other.
@@ -18,7 +18,7 @@ _ALIKE = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Actuation:
-    """Maps of b scaled controls, all on the host.
+    """Maps and limits of b scaled controls, all on the host.
 
     scale : (b,) [N m].  lower, upper : (b,), limits of the scaled controls.
     to_body : (3, b) [N m], torque on the wheels in body axes of a unit of each scaled control.

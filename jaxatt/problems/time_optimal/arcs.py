@@ -1,4 +1,4 @@
-"""Switching times of a bang-bang answer: arcs of full torque whose lengths are solved for.
+"""Switching times of a bang-bang answer, as lengths of arcs of full torque.
 
 On a grid a switch falls inside an interval, where the torque then stands between its limits, and
 the time found is a little too long.  So the answer's torques are read as arcs between switches, and
@@ -51,12 +51,12 @@ class Arcs:
 
     @property
     def final_time(self) -> float:
-        """[s]."""
+        """Sum of the arcs' lengths [s]."""
         return float(self.lengths.sum())
 
 
 def resolve_switches(task: ReorientationTask, found: FreeTimeFound) -> Arcs | None:
-    """Arcs of the best answer; None where it is not bang-bang, or where they lead nowhere."""
+    """Arcs of the best answer; None where it is not bang-bang, or where that fails."""
     best, form = found.best, task.form
     plain = form.body.attitude == "quaternion" and form.body.integration == "rk4"
     limited = form.cones or form.rate_limited or form.speed_limited
@@ -94,7 +94,7 @@ def _total(lengths: Array, parameters: ReorientationParameters, levels: Array) -
 
 @functools.cache
 def _missed_by(form: ReorientationForm, size: int) -> Callable[..., Array]:
-    """(lengths, parameters, levels) -> terminal errors (6,) after the arcs."""
+    """Function (lengths, parameters, levels) -> terminal errors (6,) after the arcs."""
     program, body = reorientation(form, size), replace(form.body, substeps=_SUBSTEPS)
 
     def missed(lengths: Array, p: ReorientationParameters, levels: Array) -> Array:

@@ -1,4 +1,4 @@
-"""One interval of a reorientation to second order, its attitude as a quaternion.
+"""First and second derivatives of one interval of a reorientation, with quaternions.
 
 What an interval does to the attitude, q+ = q (x) dq, does not depend on q, and the Runge-Kutta step
 keeps that: only dq and the rates need differentiating, by the rates and the torque.  The length of
@@ -23,7 +23,7 @@ _IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 
 def multiply(p: Components, q: Components) -> Components:
-    """Product of quaternions."""
+    """Product of two quaternions."""
     u, v = p[1:], q[1:]
     w = p[0] * q[0] - u[0] * v[0] - u[1] * v[1] - u[2] * v[2]
     turned = cross(u, v)
@@ -44,7 +44,7 @@ def torques(p: ReorientationParameters, u: Array) -> Components:
 
 
 def _chart_slope(s: Components) -> list[list[Array]]:
-    """Derivative of four times MRP s by a small turn in body axes, (3, 3)."""
+    """Derivative (3, 3) of four times MRP s with respect to a small turn in body axes."""
     squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
     none = jnp.zeros_like(squared)
     skew = [[none, -s[2], s[1]], [s[2], none, -s[0]], [-s[1], s[0], none]]
@@ -55,7 +55,7 @@ def _chart_slope(s: Components) -> list[list[Array]]:
 
 
 def _rotation(q: Components) -> list[list[Array]]:
-    """Matrix R(q)', from the old body axes to the new ones."""
+    """Rotation matrix R(q)', from the old body axes to the new ones."""
     w, x, y, z = q
     return [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
@@ -80,8 +80,9 @@ class IntervalDerivatives:
         return still + tuple(spin[i] for i in range(self.spin))
 
     def _drive(self, p: ReorientationParameters, u: Array) -> Array:
-        """What drives an interval: the torque that the body feels or, where wheels and thrusters
-        do not act alike on what is carried, the controls themselves.
+        """Torque that drives an interval, or the controls themselves.
+
+        The controls where wheels and thrusters act differently on the states that are carried.
         """
         if self.body.momentum == "carried":
             return u
@@ -89,7 +90,7 @@ class IntervalDerivatives:
         return jnp.stack([wheel_and_thrust[3 + i] - wheel_and_thrust[i] for i in range(3)])
 
     def _by_controls(self, p: ReorientationParameters, by_drive: Array) -> Array:
-        """(b,) from the derivative by what drives."""
+        """Derivative (b,) with respect to the controls, from that by the drive."""
         if self.body.momentum == "carried":
             return by_drive
         push = p.to_external - p.to_body
@@ -102,7 +103,7 @@ class IntervalDerivatives:
         return (-drive[0], -drive[1], -drive[2], none, none, none)
 
     def _row(self, turn: Array, by_y: Array, impulse: Array, length: Array, u: Array) -> Array:
-        """A row in z: turn, spin, impulses, length, controls."""
+        """One row in z: turn, spin, impulses, length, controls."""
         return jnp.concatenate([turn, by_y[: self.spin], impulse, length[None], u])
 
     def linearisation(
@@ -202,7 +203,7 @@ class IntervalDerivatives:
         turning = [f - 0.5 * c for f, c in zip(force, cross(force, whole), strict=True)]
 
         def weights(of_turn: float) -> Array:
-            """Of rate and momentum's derivatives, with their share in the turn."""
+            """Weights of the derivatives of rate and momentum, with their share in the turn."""
             shares = [of_turn * h * h * t for t in turning] + [jnp.zeros_like(h)] * (spin - 3)
             return jnp.stack([h * b + s for b, s in zip(by_spin, shares, strict=True)])
 

@@ -1,4 +1,4 @@
-"""Reorientation in free time, in the least time or with its effort, as a family of problems."""
+"""The family of turns in free time: least time, or time plus effort."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from jaxatt.runtime.chunks import Report
 
 
 class TimeAnswer(NamedTuple):
-    """What the search of a turn returns; arcs : its resolved switches, in minimum time."""
+    """Outcome of the search of a turn; arcs : its resolved switches, in minimum time."""
 
     task: ReorientationTask
     found: FreeTimeFound
@@ -28,7 +28,7 @@ class TimeAnswer(NamedTuple):
 
 
 class TimeOptimal(Family):
-    """Turns whose final time is found: minimum time, or time and effort."""
+    """Family of turns whose final time is found: minimum time, or time and effort."""
 
     name = "time-optimal"
     systems = (SPACECRAFT,)

@@ -14,7 +14,7 @@ from jaxatt.simulation.free_body import FreeBody
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ReorientationParameters:
-    """All numbers of a reorientation; every leaf may be batched, swept or differentiated.
+    """Parameters of a reorientation; every leaf may be batched, swept or differentiated.
 
     body : inertias.
     start : (s,), attitude, rate and, where it is carried, momentum at the first node.

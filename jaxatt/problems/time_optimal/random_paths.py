@@ -1,4 +1,4 @@
-"""Random feasible starts of a reorientation: a path, the torques that follow it, a time for them.
+"""Random feasible starts of a reorientation: a path, its torques and a time for it.
 
 Between the two attitudes every node gets a random share of the turn; the rates and torques of that
 path follow from inverse dynamics, and the interval is made long enough for the torques to stay
@@ -23,7 +23,7 @@ _FIRST_DURATION = 10.0
 
 
 class Paths(NamedTuple):
-    """S starts.
+    """Starts of a reorientation; leading axis S.
 
     u : (S, N, b), scaled controls.  states : (S, N + 1, s), of the programme.
     step : (S,) [s].  reference : (S, 3 or 4), target attitude the way that the start goes.
@@ -38,7 +38,7 @@ class Paths(NamedTuple):
 
 
 def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
-    """Starts of a task; start i depends on the seed and on i alone.
+    """Draw starts of a task; start i depends on the seed and on i only.
 
     Where effort costs nothing the torques are spread a little as well: a path about the axis
     between the attitudes alone may be a saddle of the final time, and stay one.
@@ -74,7 +74,7 @@ def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
 
 
 def draws(task: ReorientationTask) -> int:
-    """Random numbers of a start."""
+    """Number of random values that a start needs."""
     return task.intervals + 3 + task.intervals * task.actuation.size
 
 
@@ -98,7 +98,7 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
 
 
 def _rates(sigma: Floats, slope: Floats) -> Floats:
-    """omega (..., 3) of MRP and their slopes: eq. (5), whose G is 16 G G' = (1 + |sigma|^2)^2."""
+    """Rates omega (..., 3) from MRP and their derivatives; eq. (5)."""
     squared = (sigma**2).sum(axis=-1, keepdims=True)
     along = (sigma * slope).sum(axis=-1, keepdims=True) * sigma
     turned = (1.0 - squared) * slope - 2.0 * np.cross(sigma, slope) + 2.0 * along
@@ -106,7 +106,7 @@ def _rates(sigma: Floats, slope: Floats) -> Floats:
 
 
 def _to_body(sigma: Floats, vector: Floats) -> Floats:
-    """Components of a vector of the start's body axes in the axes turned by MRP, (..., 3)."""
+    """Turn a vector from the start's body axes to those after a turn by MRP, (..., 3)."""
     squared = (sigma**2).sum(axis=-1, keepdims=True)
     once = np.cross(sigma, vector)
     twice = np.cross(sigma, once)

@@ -41,7 +41,7 @@ _ELSEWHERE = {
 
 
 def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-    """Return the checked scenario; see `Family.read`."""
+    """Read and check the scenario; see `Family.read`."""
     heading = read_heading(document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"))
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
@@ -74,7 +74,7 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
 
 
 def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
-    """Refuse what has no meaning where time is minimised.
+    """Refuse tables and keys that have no meaning where time is minimised.
 
     Raises `ScenarioError`.
     """
@@ -110,7 +110,7 @@ def _read_objective(data: Any, origin: str) -> Objective:
 
 
 def _read_horizon(data: Any, origin: str) -> Horizon:
-    """Return the grid of a turn whose time is found: its intervals, and limits of the time."""
+    """Read a horizon whose time is found: the number of intervals, and limits of the time."""
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
     if table.choice("final_time", ("fixed", "free"), "free") == "fixed":
         table.fail("final_time", "this objective finds the final time", 'use "free" or drop it')
@@ -133,7 +133,7 @@ def _read_horizon(data: Any, origin: str) -> Horizon:
 
 
 def _read_transcription(data: Any, origin: str) -> Transcription:
-    """Return the coordinates and the integration of a turn whose time is found."""
+    """Read the attitude coordinates and the integration method."""
     table = Table(data, origin, "[transcription]", SPACECRAFT_TABLES["transcription"])
     return Transcription(
         attitude=table.choice("attitude", ("quaternion", "mrp"), "quaternion"),
@@ -142,7 +142,7 @@ def _read_transcription(data: Any, origin: str) -> Transcription:
 
 
 def _read_control(data: Any, origin: str) -> Control:
-    """Return the control of such a turn: every wheel and thruster by itself, not quantised."""
+    """Read the control of such a turn: each wheel and thruster by itself, not quantised."""
     table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
     for key, only in (("axes", "wheels"), ("quantisation", "none")):
         if key in table and table.data[key] != only:
@@ -153,7 +153,7 @@ def _read_control(data: Any, origin: str) -> Control:
 def _check_storable(
     origin: str, vehicle: Spacecraft, initial: InitialState, target: Target
 ) -> None:
-    """Refuse speed limits of wheels that cannot hold the momentum that is left at the target.
+    """Refuse wheel speed limits that cannot hold the momentum that is left at the target.
 
     Without external torques the total momentum stays as it is in the inertial frame, and with the
     target's attitude and rate what the wheels must hold then is known.  Raises `ScenarioError`.

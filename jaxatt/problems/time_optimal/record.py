@@ -1,4 +1,4 @@
-"""What is particular to a turn whose time was minimised, alone or with its effort."""
+"""Data of a turn in free time beyond what every phase has."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from jaxatt.runtime.arrays import Floats
 
 @dataclass(frozen=True, eq=False)
 class TimeOptimum(Section):
-    """What such a phase has beside what every phase has: price, switches, and how good it is.
+    """Cost, switching times and optimality of a turn in free time.
 
     effort_weight : rho [1/(N m)^2].  cost : [s], the programme's own.
     actuators : names, wheels then thrusters.  switch_times : (K,) [s] of each actuator.
@@ -42,7 +42,7 @@ class TimeOptimum(Section):
 
     @property
     def kkt(self) -> dict[str, float]:
-        """How well the first-order conditions of an optimum are met."""
+        """Residuals of the first-order conditions of an optimum."""
         return {"violation": self.violation, "stationarity": self.stationarity}
 
     def __repr__(self) -> str:

@@ -1,4 +1,4 @@
-"""Reorientation in free time: the weighted sum of time and squared torque, stage by stage.
+"""Programme of a reorientation in free time: time plus weighted squared torque.
 
     minimise  sum of h_k (1 + rho |u_k|^2)   over torques u_k and the final time
 
@@ -32,7 +32,7 @@ from jaxatt.simulation.free_body import BodyForm, step
 
 @dataclass(frozen=True)
 class ReorientationForm:
-    """What is compiled in: the body's form, and which limits there are."""
+    """Static choices, which are compiled in: the body's form, and which limits there are."""
 
     body: BodyForm
     time_limited: bool = False
@@ -43,7 +43,7 @@ class ReorientationForm:
 
 @functools.cache
 def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
-    """The programme with `size` controls an interval, of `ReorientationParameters`."""
+    """Programme with `size` controls an interval, of `ReorientationParameters`."""
     body = form.body
     quaternion = body.attitude == "quaternion"
     carried, turn = body.size, body.attitude_size

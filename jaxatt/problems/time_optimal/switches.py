@@ -1,4 +1,4 @@
-"""When torques change from one of their limits to the other."""
+"""Switching times of torques between their limits."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SATURATED = 1e-3
 
 
 def switch_times(torque: Floats, edges: Floats, lower: Floats, upper: Floats) -> tuple[Floats, ...]:
-    """When each torque changes from one of its limits to the other [s].
+    """Times [s] at which each torque changes from one of its limits to the other.
 
     torque : (N, b) [N m], constant in the intervals between edges (N + 1,) [s].
     lower, upper : (b,) [N m].

@@ -1,4 +1,4 @@
-"""A reorientation in free time: its numbers for the solver, and its judge."""
+"""Task of a reorientation in free time: arguments for the solver, judgement of answers."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ _AT_REST = 1e-12
 
 @dataclass(frozen=True)
 class TimeGoal:
-    """What is minimised, and how it is transcribed.
+    """Objective and transcription of a reorientation.
 
     effort_weight : rho [1/(N m)^2]; 0 for the least time.
     attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".  substeps : an interval.
@@ -80,7 +80,7 @@ _UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
 class ReorientationTask:
-    """From one attitude to another in a time that is found, relative to the inertial frame.
+    """Turn from one attitude to another in free time, relative to the inertial frame.
 
     craft : vehicle.  initial_state, target : where it begins and ends.  intervals : N.
     """
@@ -174,11 +174,11 @@ class ReorientationTask:
         return other
 
     def limits(self, constraint_margin: Floats) -> PointingLimits:
-        """Cones and rates for the solver, taken stricter than they are; see `Pointing.path`."""
+        """Cones and rates for the solver, tightened by the margin; see `Pointing.path`."""
         return self.pointing.path(self.directions[None], constraint_margin).limits
 
     def turn(self, sign: float) -> Floats:
-        """MRP of the target relative to the start, the short way (1) or the long way (-1), (3,)."""
+        """MRP (3,) of the target relative to the start, the short (1) or the long way (-1)."""
         begin, end = np.asarray(self.initial_state.q_ob), np.asarray(self.target.q_ob)
         relative = np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
         relative = relative * (sign if relative[0] >= 0.0 else -sign)
@@ -198,7 +198,7 @@ class ReorientationTask:
 
     @property
     def at_target(self) -> bool:
-        """Whether the start is the target already, to the last digits."""
+        """Whether the start is already the target, to rounding."""
         turned = float(np.linalg.norm(self.turn(1.0)))
         moved = np.abs(
             np.asarray(self.target.omega_ob) - np.asarray(self.initial_state.omega_ob)
@@ -228,7 +228,7 @@ class ReorientationTask:
     def fly_on(
         self, state: AttitudeState, torque: Floats, duration: float, steps: int
     ) -> AttitudeState:
-        """State after torques (n + m,) [N m] held for a duration [s], in so many RK4 steps."""
+        """State after torques (n + m,) [N m] held for a duration [s], in `steps` RK4 steps."""
         return _fly_on(self.craft, state, torque, duration / steps, steps)
 
     def angle_to_target(self, q: Floats) -> float:
@@ -241,7 +241,7 @@ class ReorientationTask:
         return {"attitude": self.target.attitude_tolerance, "rate": self.target.rate_tolerance}
 
     def judge(self, flown: Trajectory, torque: Floats) -> Verdict:
-        """Errors of flights at their end, and limits at all of their nodes."""
+        """Judge the errors of flights at their end, and the limits at all of their nodes."""
         wheels, thrusters, n = self.craft.wheels, self.craft.thrusters, self.craft.wheels.count
         q = np.asarray(flown.q_ob)
         found = {

@@ -1,4 +1,4 @@
-"""From a toy's scenario to its task."""
+"""Build the task of a toy's scenario."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def build_toy(
     enforce_speed_limits: bool = True,
     final_time: float | None = None,
 ) -> ToyTask:
-    """Task of a toy's scenario.
+    """Build the task of a toy's scenario.
 
     initial_state : where it begins, by default where the scenario does.
     enforce_speed_limits : without effect, there are no wheels.

@@ -1,4 +1,4 @@
-"""Sparse control of small systems, which shows that nothing depends on a spacecraft."""
+"""The family of toy systems, which shows that nothing depends on a spacecraft."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from jaxatt.runtime.arrays import Floats
 
 
 class Toy(SparseFamily):
-    """The double integrator and the Van der Pol oscillator."""
+    """Family of sparse control of the double integrator and the Van der Pol oscillator."""
 
     name = "toy"
     systems = tuple(SYSTEMS)

@@ -1,4 +1,4 @@
-"""The answer of a toy flown again."""
+"""Flight of a toy's answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a TOML document to the scenario of a toy system."""
+"""Read the scenario of a toy system from a TOML document."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NO_ATTITUDE = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def read_toy(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-    """Return the checked scenario; see `Family.read`."""
+    """Read and check the scenario; see `Family.read`."""
     heading = read_heading(document, origin, TOY_TABLES, ("initial", "horizon"))
     objective = _read_objective(document.get("objective", {}), origin)
     horizon = settings.read_horizon(document["horizon"], origin)

@@ -1,4 +1,4 @@
-"""What sparse control of a toy adds to a report."""
+"""Sections that sparse control of a toy adds to a report."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxatt.records.timeline import timeline
 
 
 def control(axes: Axes, answer: Answer) -> None:
-    """Control of a toy system."""
+    """Draw the control of a toy system."""
     line = timeline(answer.phases)
     values, limit = line.intervals["control"][:, 0], answer.scenario.control.limit
     pulses(axes, line.edges, values, 0, "$u$", limit)
@@ -26,7 +26,7 @@ def control(axes: Axes, answer: Answer) -> None:
 
 
 def states(axes: Axes, answer: Answer) -> None:
-    """States of a toy system with dotted references."""
+    """Draw the states of a toy system with dotted references."""
     line = timeline(answer.phases)
     values = line.nodes["state"]
     lines(axes, line.time, values, [rf"$x_{i + 1}$" for i in range(values.shape[1])])
@@ -36,7 +36,7 @@ def states(axes: Axes, answer: Answer) -> None:
 
 
 def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
-    """Control above states, in place of the panels that any system has."""
+    """Panels of control and states, in place of those that any system has."""
     return {"control": control, "state": states}
 
 

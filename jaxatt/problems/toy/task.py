@@ -26,7 +26,7 @@ _VERIFICATION_FACTOR = 20
 
 @dataclass(frozen=True)
 class ToySystem:
-    """x' = derivative(x, u) with |u| <= limit and, where given, margin(x) >= 0 at every node."""
+    """System x' = derivative(x, u) with |u| <= limit and, if given, margin(x) >= 0 at all nodes."""
 
     derivative: Callable[[Array, Array], Array]
     margin: Callable[[Array], Array] | None = None
@@ -51,7 +51,10 @@ SYSTEMS = {
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class ToyParameters:
-    """start, target : (2,).  step : () [s].  limit : (), largest |control|."""
+    """Parameters of a toy system.
+
+    start, target : (2,).  step : () [s].  limit : (), largest |control|.
+    """
 
     start: Array
     target: Array
@@ -81,7 +84,7 @@ def simulate(system: ToySystem, control: Array, p: ToyParameters, substeps: int)
 
 @functools.cache
 def toy_system(name: str, substeps: int) -> SparseSystem:
-    """One of `SYSTEMS` for sparse control; the variables are controls in units of the limit."""
+    """Toy system of this name for sparse control, with controls in units of the limit."""
     system = SYSTEMS[name]
 
     def nodes(u: Array, p: ToyParameters) -> Array:
@@ -152,7 +155,7 @@ class ToyTask(Task):
         return np.where(np.abs(control) <= self.threshold, 0.0, control)
 
     def from_controls(self, controls: Floats) -> Floats:
-        """Scaled controls."""
+        """Scaled controls from controls."""
         return np.asarray(controls / self.limit)
 
     def fly(self, controls: Floats) -> Floats:
@@ -166,7 +169,7 @@ class ToyTask(Task):
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
-        """Simulate again with fine steps."""
+        """Simulate again with fine steps and judge the answers."""
         states = self.fly(controls)
         error = np.linalg.norm(states[:, -1] - np.asarray(self.parameters.target), axis=-1)
         margin = SYSTEMS[self.name].margin
@@ -184,16 +187,16 @@ class ToyTask(Task):
         return verdict, self.cost(controls)
 
     def effort(self, controls: Floats) -> Floats:
-        """Integral of |u|, (S,)."""
+        """L1 effort, the integral of |u|, (S,)."""
         return np.asarray(np.abs(controls).sum(axis=(-2, -1)) * self.step)
 
     def cost(self, controls: Floats) -> dict[str, Floats]:
-        """The L1 norm as an integral, or the relaxed count of section 3.7.5."""
+        """Printed cost: the L1 norm as an integral, or the relaxed count of section 3.7.5."""
         if self.goal.kind == "l1":
             return {"l1": self.effort(controls)}
         xi = sparsity.complementarity_vector(controls, self.goal.epsilon)
         return {"sparsity": (1.0 - xi).sum(axis=1)}
 
     def long_way_probability(self) -> float:
-        """There is no other way round."""
+        """Zero: there is no other way round."""
         return 0.0

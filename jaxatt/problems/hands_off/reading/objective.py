@@ -1,4 +1,4 @@
-"""The sparse objectives of a scenario, and what a free final time asks of them."""
+"""Read the sparse objectives of a scenario, and check a free final time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jaxatt.problems.scenario import SPARSE_KINDS, Horizon, Objective
 
 
 def read_objective(data: Any, origin: str) -> Objective:
-    """Return the checked objective; the defaults are those of Schaanning (2021), table 5.1."""
+    """Read the objective; the defaults are those of Schaanning (2021), table 5.1."""
     table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
     kind = table.choice("kind", SPARSE_KINDS, SPARSE_KINDS[0])
     if "effort_weight" in table:
@@ -38,7 +38,7 @@ def read_objective(data: Any, origin: str) -> Objective:
 def check_free_time(
     document: Mapping[str, Any], origin: str, horizon: Horizon, objective: Objective
 ) -> None:
-    """Refuse sparse objectives whose free final time has no end, or that price a fixed one.
+    """Refuse a free final time without a longest value, and a price on a fixed final time.
 
     Raises `ScenarioError`.
     """

@@ -1,4 +1,4 @@
-"""From a TOML document to the scenario of a sparse manoeuvre of a spacecraft."""
+"""Read the scenario of a sparse manoeuvre of a spacecraft from a TOML document."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ QUANTISATIONS = ("pulse-width", "interval", "none")
 
 
 def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-    """Return the checked scenario; see `Family.read`."""
+    """Read and check the scenario; see `Family.read`."""
     heading = read_heading(document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"))
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
@@ -85,7 +85,7 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
 
 
 def _read_control(data: Any, origin: str, vehicle: Spacecraft) -> Control:
-    """Return the checked choice of control axes, and of how valves are made open or shut."""
+    """Read the control axes, and the kind of quantisation."""
     table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
     if vehicle.thrusters.count == 0:
         if "quantisation" in table:

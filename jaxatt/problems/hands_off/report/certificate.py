@@ -1,4 +1,4 @@
-"""What a certification returns: its record with everything that shows it."""
+"""Result of a certification, which prints, draws and saves itself."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ class Certificate(CertificateRecord):
     """A certificate that prints, draws and saves itself; the fields are `CertificateRecord`'s."""
 
     def sentences(self) -> list[str]:
-        """What was shown, in words."""
+        """Return what was shown, in sentences."""
         return certificate_report.sentences(self)
 
     def table(self) -> Table:
-        """The classes of supports and what became of them."""
+        """Return a table of the classes of supports and what became of them."""
         return certificate_report.table(self)
 
     def plot(self) -> Picture:
-        """Map of the feasible pairs of intervals."""
+        """Plot a map of the feasible pairs of intervals."""
         return certificate_report.plot(self)
 
     def to_dict(self) -> dict[str, Any]:
@@ -41,7 +41,7 @@ class Certificate(CertificateRecord):
         return certificate_report.to_dict(self)
 
     def to_dataset(self) -> xarray.Dataset:
-        """Every support of the found cost, with effort and residual both ways round."""
+        """Return every support of the found cost, with effort and residual both ways round."""
         return certificate_report.to_dataset(self)
 
     def save(self, folder: str | Path) -> list[Path]:

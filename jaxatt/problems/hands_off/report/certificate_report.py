@@ -1,4 +1,4 @@
-"""A certificate in words, numbers and a picture."""
+"""Text, numbers and figure of a certificate."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LARGE = 1e15
 
 
 def sentences(certificate: CertificateRecord) -> list[str]:
-    """What was shown, what was only tried, and what is out of reach."""
+    """Sentences on what was shown, what was only tried, and what is out of reach."""
     several = len(certificate.phases) > 1
     found = []
     for number, phase in enumerate(certificate.phases, start=1):
@@ -107,7 +107,7 @@ def _duration(seconds: float) -> str:
 
 
 def table(certificate: CertificateRecord) -> Table:
-    """One row a class of supports."""
+    """Table with one row a class of supports."""
     grid = Table(
         title=Text(f"Certificate for {certificate.result.scenario.title}", style="bold"),
         box=box.SIMPLE_HEAD,
@@ -183,7 +183,7 @@ def _phase_numbers(phase: PhaseCertificate) -> dict[str, Any]:
 
 
 def to_dataset(certificate: CertificateRecord) -> xarray.Dataset:
-    """Every support that was tried, both ways round.
+    """Return every support that was tried, both ways round, as a Dataset.
 
     Dimensions "support" and "slot"; `interval` and `group` are -1 in slots that a support does not
     use.
@@ -229,7 +229,7 @@ def to_dataset(certificate: CertificateRecord) -> xarray.Dataset:
 
 
 def plot(certificate: CertificateRecord) -> Picture:
-    """Least effort of the supports that hold two given intervals, a panel a phase."""
+    """Plot the least effort of the supports that hold two given intervals, a panel a phase."""
     phases = certificate.phases
     figure = picture(5.6 * len(phases), 5.2, certificate.result.scenario.title)
     for index, phase in enumerate(phases):
@@ -241,7 +241,7 @@ def plot(certificate: CertificateRecord) -> Picture:
 
 
 def _pair_map(figure: Picture, axes: Axes, phase: PhaseCertificate) -> None:
-    """Short way round above the diagonal, long way below it."""
+    """Draw the short way round above the diagonal and the long way below it."""
     count = len(phase.found.controls)
     least = np.full((count, count), np.inf)
     size = 0
@@ -279,7 +279,7 @@ def _pair_map(figure: Picture, axes: Axes, phase: PhaseCertificate) -> None:
 
 
 def _pairs(intervals: np.ndarray) -> list[tuple[int, int]]:
-    """Pairs of different intervals, the earlier first; a lone interval with itself."""
+    """Pairs of different intervals, the earlier first; a lone interval is paired with itself."""
     several = sorted(set(intervals.tolist()))
     return list(itertools.combinations(several, 2)) or [(several[0], several[0])]
 

@@ -1,4 +1,4 @@
-"""The final times that were tried: numbers, labelled arrays and a figure."""
+"""Numbers, labelled arrays and figure of the final times that were tried."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from jaxatt.runtime.arrays import Floats
 
 
 def final_times_summary(tried: FinalTimes | None) -> dict[str, Any] | None:
-    """Plain numbers; costs that are infinite, where nothing reached, become None in JSON."""
+    """Plain numbers; infinite costs, where nothing reached, become None in JSON."""
     if tried is None:
         return None
     columns = (tried.final_time, tried.costs, tried.active_intervals, tried.reached, tried.how)
@@ -31,7 +31,7 @@ def final_times_summary(tried: FinalTimes | None) -> dict[str, Any] | None:
 
 
 def final_time_text(phase_summary: Mapping[str, Any]) -> str:
-    """The final time with the length of an interval, where it was free."""
+    """Text of the final time with the length of an interval, where it was free."""
     if phase_summary["final_times"] is None:
         return ""
     step = phase_summary["step_s"]
@@ -39,7 +39,7 @@ def final_time_text(phase_summary: Mapping[str, Any]) -> str:
 
 
 def cost_text(phase_summary: Mapping[str, Any]) -> str:
-    """The cost with the time's own, and how many final times were tried for it."""
+    """Text of the cost with its time, and of how many final times were tried for it."""
     tried = phase_summary["final_times"]
     if tried is None:
         return ""
@@ -71,7 +71,7 @@ def final_times_variables(phase: Phase, rows: int) -> dict[str, Variable]:
 
 
 def final_times_panels(axes: Sequence[Axes], phase: Phase) -> None:
-    """Cost above, active intervals below, against final time; the answer is a star."""
+    """Draw cost and active intervals against final time, with a star for the answer."""
     tried = sparse_section(phase).final_times
     assert tried is not None
     above, below = axes

@@ -1,4 +1,4 @@
-"""Names that sparse control adds to a summary."""
+"""Entries that sparse control adds to a summary."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jaxatt.records.phase import Phase
 
 
 def names(phase: Phase) -> dict[str, Any]:
-    """Names of one phase: weighted counts, final times that were tried, valves."""
+    """Entries of one phase: weighted counts, final times that were tried, valves."""
     section = sparse_section(phase)
     return {
         "weighted_active_intervals": section.weighted(phase.active),
@@ -27,7 +27,7 @@ def names(phase: Phase) -> dict[str, Any]:
 
 
 def together(blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The same of several phases: sums, the worst, and valves where every phase has them."""
+    """Entries of several phases: sums, worst values, and valves where every phase has them."""
     valves = [block["quantised"] for block in blocks]
     return {
         "weighted_active_intervals": sum(block["weighted_active_intervals"] for block in blocks),
@@ -42,7 +42,7 @@ def together(blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def whole(answer: Answer) -> dict[str, Any]:
-    """The way of quantising that the scenario did not ask for, of a single phase."""
+    """Entries of the whole answer: the other kind of quantisation, of a single phase."""
     if len(answer.phases) > 1:
         return {"quantised_otherwise": None}
     others = sparse_section(answer.phases[0]).quantised[1:]
@@ -50,7 +50,7 @@ def whole(answer: Answer) -> dict[str, Any]:
 
 
 def valves_summary(valves: Valves) -> dict[str, Any]:
-    """An answer with thrusters open or shut in plain numbers; `on_time_s` by thruster."""
+    """Plain numbers of an answer with thrusters open or shut; `on_time_s` by thruster."""
     active = int(valves.active.sum())
     return {
         "mode": valves.mode,

@@ -16,7 +16,7 @@ from jaxatt.problems.sections import Panel, Shade
 
 
 def shades(answer: Answer) -> tuple[Shade, ...]:
-    """Cheap windows, more faintly where they are not priced, and where torque is forbidden."""
+    """Shades of cheap windows, fainter where they are not priced, and of forbidden ones."""
     priced = answer.scenario.objective.kind == "moving-l0"
     cheap: dict[str, Any] = {"facecolor": CHEAP, "alpha": 0.45 if priced else 0.2, "linewidth": 0}
     forbidden: dict[str, Any] = {"facecolor": "none", "edgecolor": FORBIDDEN, "alpha": 0.5}
@@ -32,7 +32,7 @@ def shades(answer: Answer) -> tuple[Shade, ...]:
 
 
 def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
-    """The panels of every answer, and the valves below the thrusters' torques."""
+    """Panels of any answer, with the valves below the thrusters' torques."""
     chosen: dict[str, Panel] = {}
     for name, panel in common.items():
         chosen[name] = panel
@@ -43,7 +43,7 @@ def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
 
 
 def valves(axes: Axes, answer: Answer) -> None:
-    """When each thruster is open after quantisation, one row a thruster."""
+    """Draw when each thruster is open after quantisation, one row a thruster."""
     vehicle = answer.scenario.vehicle
     assert vehicle is not None
     count = vehicle.thrusters.count
@@ -62,7 +62,7 @@ def valves(axes: Axes, answer: Answer) -> None:
 
 
 def figures(answer: Answer) -> dict[str, Picture]:
-    """Cost and active intervals against the final times that were tried, where it was free."""
+    """Figure of cost and active intervals against the final times that were tried, if any."""
     if all(sparse_section(phase).final_times is None for phase in answer.phases):
         return {}
     phases = len(answer.phases)

@@ -9,7 +9,7 @@ from jaxatt.records.wording import indices_text, short
 
 
 def rows(answer: Answer) -> Rows:
-    """Active intervals, windows, the final time where it was free, valves, the printed cost."""
+    """Rows of active intervals, windows, a free final time, valves and the printed cost."""
     windows: tuple[Row, ...] = (
         ("outside the cheap windows", lambda b: str(b["active_outside_windows"])),
         ("weighted count", lambda b: short(b["weighted_active_intervals"])),

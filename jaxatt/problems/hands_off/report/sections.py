@@ -1,4 +1,4 @@
-"""What sparse control of a spacecraft adds to a report."""
+"""Sections that sparse control of a spacecraft adds to a report."""
 
 from __future__ import annotations
 

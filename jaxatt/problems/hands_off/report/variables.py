@@ -12,7 +12,7 @@ from jaxatt.records.phase import Phase
 
 
 def variables(phase: Phase, phases: Sequence[Phase]) -> dict[str, Variable]:
-    """Windows by interval, valves as they flew, and the final times that were tried."""
+    """Variables of windows by interval, valves as they flew, and final times that were tried."""
     section = sparse_section(phase)
     tried = (sparse_section(one).final_times for one in phases)
     most = max((len(times.how) for times in tried if times is not None), default=0)

@@ -1,4 +1,4 @@
-"""The numbers of a slew for the solver, from what it is asked to do."""
+"""Arguments of a slew's programme, computed from its description."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 
 class Beginning(NamedTuple):
-    """What a slew begins with.
+    """State and momentum at the beginning of a slew.
 
     state : at the first node.  q_ib : (4,), attitude of the body relative to inertial axes.
     momentum, momentum_i : (3,) [N m s], total momentum in body and in inertial axes.
@@ -41,7 +41,7 @@ class Beginning(NamedTuple):
 def begin(
     craft: Spacecraft, q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
 ) -> Beginning:
-    """Beginning of a slew from attitude and rate relative to the orbit, and wheel speeds."""
+    """Beginning from attitude and rate relative to the orbit, and wheel speeds."""
     state = at_relative_rate(q_ob, omega_ob, omega_bw, environment)
     q_ib = quaternion.multiply(environment.orbit_attitude, state.q_ob)
     momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
@@ -49,7 +49,7 @@ def begin(
 
 
 def _nearer(q: Floats, to: Floats) -> Floats:
-    """The sign of an attitude q that the short way from another leads to."""
+    """The quaternion q or -q that is nearer to another one."""
     return q * (1.0 if float(q @ to) >= 0 else -1.0)
 
 
@@ -64,7 +64,7 @@ def slew_parameters(
     form: SlewForm,
     pointing: PointingPath = NO_POINTING,
 ) -> SlewParameters:
-    """Parameters of a slew from its beginning at the first node of a table.
+    """Parameters of a slew that begins at the first node of a table.
 
     pointing : cones and rate limits that are enforced.
     """
@@ -107,7 +107,7 @@ def slew_arguments(
     form: SlewForm,
     axes: str,
 ) -> SparseArguments:
-    """Arguments of the sparse programme.
+    """Arguments of the sparse programme of a slew.
 
     weight : (N,), h_k.  forbidden : (N,), intervals without torque.
     axes : "body" or "wheels", the axes of the decision variables.

@@ -1,4 +1,4 @@
-"""Derivatives of one interval of a slew, in closed form and good to second order in the step.
+"""Closed-form derivatives of one interval of a slew, accurate to second order in the step.
 
 In the error coordinates of `slew_stages` an interval turns the attitude error with the body and
 adds the integral of the rate error; momentum couples the two weakly.  Where the momentum is large
@@ -19,7 +19,7 @@ Rows = list[list[Array]]
 
 
 def _rotation(q: tuple[Array, ...]) -> Rows:
-    """Matrix of a quaternion, four scalars."""
+    """Rotation matrix of a quaternion given as four scalars."""
     w, x, y, z = q
     return [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
@@ -29,7 +29,7 @@ def _rotation(q: tuple[Array, ...]) -> Rows:
 
 
 def _turned_back(to: Array, q: Array) -> tuple[Array, ...]:
-    """conj(to) q as four scalars."""
+    """Product conj(to) q as four scalars."""
     a, b = to, q
     return (
         a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3],
@@ -44,7 +44,7 @@ def _stacked(rows: Rows) -> Array:
 
 
 def _times(a: Array, b: Array) -> Array:
-    """Product of (3, 3) and (3, r)."""
+    """Matrix product of (3, 3) and (3, r)."""
     return a[:, :1] * b[:1] + a[:, 1:2] * b[1:2] + a[:, 2:] * b[2:]
 
 
@@ -56,7 +56,7 @@ def _cross_matrix(v: Array) -> Array:
 def slew_derivatives(
     form: SlewForm,
 ) -> Callable[[Array, Array, Array, object, SparseArguments], Array]:
-    """What a `OptimalControlProgram` calls `linearise`, for a slew of this form."""
+    """Function `linearise` of an `OptimalControlProgram`, for a slew of this form."""
 
     def derivatives(
         x: Array, u: Array, x_next: Array, stage: object, args: SparseArguments

@@ -1,4 +1,4 @@
-"""The answer of a slew flown again: series, references, verdict and cones."""
+"""Flight of a slew's answer: series, references, verdict and cones."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
 
 
 def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:
-    """What a flight (S = 1) says of cones and rate limits."""
+    """Record of cones and rate limits along a flight (S = 1)."""
     if not task.pointing:
         return None
     path_monitor, times = task.path_monitor, task.path_monitor.elapsed

@@ -1,4 +1,4 @@
-"""Slew of a spacecraft with reaction wheels, as the solver sees it.
+"""Slew of a spacecraft with reaction wheels, as functions of scaled torques.
 
 The decision variables are scaled control torques, in body axes (mapped to the wheels by the
 Moore-Penrose allocation) or directly in wheel axes.
@@ -25,7 +25,7 @@ RATE_SCALE = 10.0
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class SlewParameters:
-    """All numbers of a slew; every leaf may be batched, swept or differentiated.
+    """Parameters of a slew; every leaf may be batched, swept or differentiated.
 
     body : inertias.  table : environment along the orbit.
     start : (7,), q_ib and omega_ib [rad/s] at the first node.
@@ -69,7 +69,7 @@ class SlewParameters:
 
 @dataclass(frozen=True)
 class SlewForm:
-    """What is compiled in: which terms a slew has.
+    """Terms that a slew has, which are compiled in.
 
     gyroscopic : whether the total momentum is so large that `pulse_equations` does not hold.
     has_thrusters : whether thrusters act, which change the total momentum.
@@ -85,12 +85,12 @@ class SlewForm:
 
     @property
     def path_limited(self) -> bool:
-        """Whether anything but the controls is limited on the way."""
+        """Whether there are path constraints besides limits of the controls."""
         return self.speed_limited or self.pointed
 
 
 def attitude_row(reference: Array, q: Array) -> Array:
-    """4 sin(phi/4) about the error's axis, (3,), smooth on the whole way from 0 to 2 pi.
+    """Attitude error 4 sin(phi/4) about its axis, (3,), smooth from 0 to 2 pi.
 
     Its squared norm is 8 (1 - |q' q_ref|), so the attitude cost g of (5.2) is an eighth of it.
     """
@@ -99,7 +99,7 @@ def attitude_row(reference: Array, q: Array) -> Array:
 
 
 def body_torque(u: Array, p: SlewParameters) -> Array:
-    """Torque on the wheels in body axes of scaled controls, (N, 3) [N m]."""
+    """Torque on the wheels in body axes from scaled controls, (N, 3) [N m]."""
     # Not a product of matrices: elementwise, the batch axis stays where `vmap` has put it.
     torque = u[:, :1] * p.to_body[None, :, 0]
     for c in range(1, u.shape[1]):
@@ -110,7 +110,7 @@ def body_torque(u: Array, p: SlewParameters) -> Array:
 def fly_nodes(
     u: Array, p: SlewParameters, form: SlewForm
 ) -> tuple[momentum_model.Components, Array]:
-    """Roll-out of scaled controls: states at the last node and at 1 to N, see `rollout`."""
+    """Roll-out of scaled controls: last state, and states at nodes 1 to N; see `rollout`."""
     start = tuple(p.start[i] for i in range(7))
     momentum = tuple(p.momentum[i] for i in range(3))
     torque = body_torque(u, p)
@@ -128,7 +128,7 @@ def inertial_waypoint(p: SlewParameters) -> Array:
 
 
 def rate_row(q_ib: Array, omega_ib: Array, p: SlewParameters) -> Array:
-    """Error of the rate relative to the orbit frame at the last node, (3,), scaled."""
+    """Scaled error of the rate relative to the orbit frame at the last node, (3,)."""
     nodes = p.table.nodes
     orbit_rate_i = quaternion.rotate(nodes.orbit_attitude[-1], nodes.orbit_rate[-1])
     relative = omega_ib - quaternion.rotate_inverse(q_ib, orbit_rate_i)
@@ -136,7 +136,7 @@ def rate_row(q_ib: Array, omega_ib: Array, p: SlewParameters) -> Array:
 
 
 def terminal_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
-    """Attitude and rate errors at the last node, then the attitude error at the waypoint.
+    """Errors of attitude and rate at the last node, then of attitude at the waypoint.
 
     Returns (6,) or (9,): [rad], `RATE_SCALE` x [rad/s], [rad].
     """

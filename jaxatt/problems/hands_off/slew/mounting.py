@@ -1,4 +1,4 @@
-"""What the controls of an interval are: which torques, in which units, between which limits.
+"""Map from the controls of an interval to torques, with units and limits.
 
 Without thrusters the controls are torques on the wheels, in body axes or wheel by wheel; with
 thrusters they are those of the actuators themselves, wheels first.
@@ -16,7 +16,7 @@ from jaxatt.spacecraft.vehicle import Spacecraft
 
 @dataclass(frozen=True, eq=False)
 class Mounting:
-    """Maps of the b controls, all on the host.
+    """Maps and limits of the b controls, all on the host.
 
     scale : (b,) [N m], what a scaled control of one stands for.
     to_body : (3, b), torque on the wheels in body axes of a unit of each control.

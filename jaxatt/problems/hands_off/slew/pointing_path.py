@@ -1,4 +1,4 @@
-"""Pointing limits along a roll-out: at its nodes, with what may happen between them allowed for."""
+"""Pointing limits along a roll-out at its nodes, with an allowance for the way between them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxatt.problems.pointing.cones import PointingLimits, cone_margin, rate_mar
 def node_margins(
     q_ib: Array, omega_ib: Array, directions: Array, step: Array, limits: PointingLimits
 ) -> Array:
-    """Margins at one node as in `pointing_margins`, lowered by what the path may dip beside it.
+    """Margins at one node as in `pointing_margins`, less the allowance for the way beside it.
 
     q_ib : (4,).  omega_ib : (3,) [rad/s].  directions : (m, 3), inertial.  step : () [s].
 
@@ -40,7 +40,7 @@ def node_margins(
 
 
 def path_margins(u: Array, p: SlewParameters, form: SlewForm) -> Array:
-    """Wheel speeds, cones and rates at nodes 1 to N under scaled controls u (N, b), (p,)."""
+    """Margins of wheel speeds, cones and rates at nodes 1 to N, (p,), for u (N, b)."""
     speeds = speed_margins(u, p, form)
     if not form.pointed:
         return speeds

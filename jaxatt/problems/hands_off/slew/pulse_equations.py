@@ -1,4 +1,4 @@
-"""The linearised end of a slew in one pass along it, without differentiating anything.
+"""Linearised terminal errors of a slew in one pass, without automatic differentiation.
 
 Where the total momentum is small the gyroscopic terms hardly matter: an impulse changes the rate
 by as much in body axes for good, and the attitude at the end by the integral of the body-to-
@@ -29,7 +29,7 @@ Row = tuple[Array, Array, Array]
 
 
 def _rotation(q: Components) -> tuple[Row, ...]:
-    """Body-to-inertial matrix of a quaternion, three rows."""
+    """Body-to-inertial matrix of a quaternion, as three rows."""
     w, x, y, z = q
     return (
         (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
@@ -55,12 +55,12 @@ def _stacked(rows: Sequence[Sequence[Array]]) -> Array:
 
 
 def _product(a: Array, b: Array) -> Array:
-    """Product of a matrix of three columns and another, elementwise: the batch axis stays."""
+    """Product of a matrix of three columns and another, elementwise over the batch."""
     return _sum(a[:, k, None] * b[None, k] for k in range(3))
 
 
 class _Sums(NamedTuple):
-    """What one pass along the slew leaves behind.
+    """Sums that one pass along the slew accumulates.
 
     An interval's impulse v changes the rate, and all of the attitude's integral but what passed
     before it: P v, one P for the end and one for the waypoint.  With Z = (1, P, ..) as rows:
@@ -140,7 +140,7 @@ def _sweep(
 
 
 def _matrix(sums: _Sums) -> Array:
-    """J diag(weights) J' for the rows in their order: attitude, rate, attitude at the waypoint."""
+    """Matrix J diag(weights) J' for the rows: attitude, rate, attitude at the waypoint."""
     whole, rates = sums.whole, sums.second(0, 0)
     left = [_product(t, rates) - sums.second(a + 1, 0) for a, t in enumerate(whole)]
 
@@ -169,7 +169,7 @@ def pulse_equations(
     p: SlewParameters,
     form: SlewForm,
 ) -> Equations:
-    """The rows of `response_rows` at u (N, b), linearised, in the form of a weighted step.
+    """Rows of `response_rows` at u (N, b), linearised for a weighted least-norm step.
 
     weights, moved : (N, b).  accurate : () bool, whether the rows must be exact; otherwise those
     of `turn_model` will do, where no external torque acts.

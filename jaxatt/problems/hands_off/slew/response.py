@@ -1,4 +1,4 @@
-"""What the controls of a slew do to its end: the errors there and their exact derivatives.
+"""Terminal errors of a slew and their exact derivatives with respect to the controls.
 
 The derivatives of all intervals are taken side by side, each at its own node, and multiplied
 together from the last one backwards.
@@ -25,13 +25,13 @@ from jaxatt.simulation import momentum_model
 
 
 def attitude_error(reference: Array, q: Array) -> Array:
-    """Rotation vector from the reference to q in inertial axes, (3,) [rad], of 0 to 2 pi."""
+    """Rotation vector (3,) [rad] from the reference to q in inertial axes, of 0 to 2 pi."""
     error = quaternion.multiply(q, quaternion.conjugate(reference))
     return quaternion.to_rotation_vector(error)
 
 
 def end_rows(end: Array, p: SlewParameters) -> Array:
-    """Errors of attitude [rad] and rate, `RATE_SCALE` x [rad/s], at a last state (7 or 10,)."""
+    """Errors of attitude [rad] and rate, `RATE_SCALE` x [rad/s], of a last state (7 or 10,)."""
     q = end[:4]
     return jnp.concatenate([attitude_error(inertial_reference(p), q), rate_row(q, end[4:7], p)])
 
@@ -42,14 +42,14 @@ def passing_rows(q: Array, p: SlewParameters) -> Array:
 
 
 def flown_states(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
-    """Attitude and rate at the last node, (7,), and the attitude at the waypoint, (4,) or (0,)."""
+    """Attitude and rate at the last node, (7,), and attitude at the waypoint, (4,) or (0,)."""
     end, nodes = fly_nodes(u, p, form)
     passing = nodes[p.waypoint_node - 1, :4] if form.has_waypoint else jnp.zeros((0,), u.dtype)
     return jnp.stack(end[:7]), passing
 
 
 def rows_at(states: tuple[Array, Array], p: SlewParameters, form: SlewForm) -> Array:
-    """Errors at the last node, then of the attitude at the waypoint, (6,) or (9,).
+    """Errors at the last node, then of attitude at the waypoint, (6,) or (9,).
 
     states : as `flown_states` returns them.
     """
@@ -58,12 +58,12 @@ def rows_at(states: tuple[Array, Array], p: SlewParameters, form: SlewForm) -> A
 
 
 def response_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
-    """Errors of scaled controls u (N, b), as `rows_at`."""
+    """Errors (m,) of scaled controls u (N, b), as `rows_at`."""
     return rows_at(flown_states(u, p, form), p, form)
 
 
 def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
-    """Rows (m,) as `response_rows` and their derivatives (N, m, b), exact; u : (N, b)."""
+    """Rows (m,) of `response_rows` and their exact derivatives (N, m, b); u : (N, b)."""
     end, nodes = fly_nodes(u, p, form)
     momentum = tuple(p.momentum[i] for i in range(3))
     first = jnp.concatenate([p.start, p.momentum]) if form.disturbed else p.start

@@ -1,4 +1,4 @@
-"""The slew, interval by interval, for the Riccati solvers.
+"""The slew as an optimal-control programme, interval by interval.
 
 A state holds q_ib (4), omega_ib (3) [rad/s] and, where external torques act, the total momentum
 in inertial axes (3) [N m s]; where wheel speeds are limited, the impulse of every control (b) [s]
@@ -32,7 +32,7 @@ from jaxatt.simulation import momentum_model
 
 
 class SlewStage(NamedTuple):
-    """One interval.
+    """Data of one interval.
 
     along : Environment (S, 4), `down` in place of the orbit's attitude.  node : () int.
     directions : (m, 3), those of the cones at its first node, inertial.
@@ -72,7 +72,7 @@ def difference(x: Array, reference: Array) -> Array:
 
 
 def _wheel_speeds(x: Array, p: SlewParameters) -> Array:
-    """Wheel speeds (n,) [rad/s], from the integral of (4.20d) as in `slew.wheel_speeds`."""
+    """Wheel speeds (n,) [rad/s], by the integral of (4.20d) as in `model.wheel_speeds`."""
     impulse = x[x.shape[0] - p.wheel_torque.shape[1] :]
     driven = jnp.sum(p.wheel_torque * impulse[None], axis=1) / p.wheel_inertia
     carried = jnp.sum(p.wheel_axes * (x[4:7] - p.start[4:7])[:, None], axis=0)
@@ -86,7 +86,7 @@ def _speed_margins(x: Array, p: SlewParameters) -> Array:
 
 @functools.cache
 def slew_stages(form: SlewForm, size: int) -> OptimalControlProgram:
-    """The slew with `size` controls an interval and without a cost; its arguments are sparse ones.
+    """Programme of a slew with `size` controls an interval, without a cost.
 
     The waypoint is an equality whose weight is zero at all other nodes.
     """

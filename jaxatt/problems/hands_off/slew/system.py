@@ -1,4 +1,4 @@
-"""The slew as a system for sparse control, with the terms of its form compiled in."""
+"""The slew as a system for sparse control."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def _stretched(p: SlewParameters, ratio: Array) -> SlewParameters:
 
 @functools.cache
 def slew_system(form: SlewForm) -> SparseSystem:
-    """The slew as a system for sparse control, with the terms of `form` compiled in."""
+    """System for sparse control with the terms of `form` compiled in."""
     if form.has_thrusters:
         return SparseSystem(
             rows=lambda u, p: thruster_rows(u, p, form),

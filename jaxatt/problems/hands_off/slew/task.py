@@ -1,4 +1,4 @@
-"""A slew of a spacecraft: arguments for the solver, and its judge."""
+"""Task of a slew: arguments for the solver, and judgement of answers."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ _COARSE_PIECES = 4
 
 
 class SlewTask(Task):
-    """One slew, or one phase of several.
+    """Task of one slew, or of one phase of several.
 
     craft : vehicle.  initial_state, target, waypoint : where it begins, ends and passes.
     axes : "body" or "wheels", the axes of the decision variables.
@@ -147,7 +147,7 @@ class SlewTask(Task):
         self.arguments = slew_arguments(plant, self.mounting, goal, weight, forbidden, form, axes)
 
     def enforcing(self, constraint_margin: Floats | None, speeds: bool) -> SlewTask:
-        """The same slew with path constraints in the way of the search, not left to the verdict.
+        """The same slew with path constraints in the programme, not only in the verdict.
 
         constraint_margin : (m + 1,), how much stricter cones [rad] and rates (a share) are taken
         than they are; None leaves them to the verdict.  speeds : whether wheel speed limits are
@@ -165,19 +165,19 @@ class SlewTask(Task):
         return other
 
     def ignoring_path_limits(self) -> SlewTask:
-        """The same slew where nothing but the controls is limited, not even in the verdict."""
+        """The same slew without path constraints, not even in the verdict."""
         other = self.enforcing(None, False)
         other.judges_path = False
         return other
 
     @property
     def watches(self) -> bool:
-        """Whether flights are looked at between the nodes."""
+        """Whether flights are checked between the nodes."""
         return bool(self.pointing) and self.judges_path
 
     @property
     def has_path_limits(self) -> bool:
-        """Whether anything but the controls is limited on the way."""
+        """Whether there are path constraints besides limits of the controls."""
         return bool(self.pointing) or (self.has_speed_limits and not self.form.has_thrusters)
 
     @property
@@ -186,12 +186,12 @@ class SlewTask(Task):
         return bool(np.isfinite(self.craft.wheels.speed_limit).any())
 
     def _gyroscopic_turn(self, momentum: Array) -> float:
-        """|H| T over the least moment of inertia: how far the momentum could turn the body."""
+        """Angle |H| T / J that the momentum could turn the body, J the least inertia."""
         least = np.linalg.eigvalsh(np.asarray(self.craft.inertia_without_spin)).min()
         return float(np.linalg.norm(momentum)) * self.intervals * self.step / float(least)
 
     def to_controls(self, u: Floats | Array) -> Floats:
-        """Torques in the optimisation's axes [N m], within limits, thresholded."""
+        """Torques in the optimisation's axes [N m], clipped to limits and thresholded."""
         bounded = np.clip(np.asarray(u, float), self.mounting.lower, self.mounting.upper)
         torque = bounded * self.scale
         size = _largest(torque) if self.shared else np.abs(torque)
@@ -282,7 +282,7 @@ class SlewTask(Task):
         }
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
-        """Errors of a flight at the end of the horizon and at the waypoint."""
+        """Judge the errors of flights at the end of the horizon and at the waypoint."""
         end = self.intervals
         found, tolerances = self.end_errors(flown.q_ob, flown.omega_ob), self.tolerances
         if self.waypoint is not None:
@@ -315,13 +315,13 @@ class SlewTask(Task):
         return self.judge(flown, controls), self.cost(flown, controls)
 
     def effort(self, controls: Floats) -> Floats:
-        """Sum over intervals and body axes of |tau| h, (S,) [N m s]."""
+        """L1 effort, the sum over intervals and body axes of |tau| h, (S,) [N m s]."""
         wheels = np.abs(self.body_torque(controls)).sum(axis=(-2, -1))
         pushes = np.abs(self.mounting.to_external).sum(axis=0)
         return np.asarray((wheels + (np.abs(controls) @ pushes).sum(axis=-1)) * self.step)
 
     def watch(self, flown: Trajectory) -> ObservedPath:
-        """Cones and rates along flights (S, ...), between the nodes too, to the horizon's end."""
+        """Angles of cones and rates along flights (S, ...), between the nodes too."""
         return self.path_monitor.watch(flown, self.intervals)
 
     def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
@@ -348,13 +348,13 @@ class SlewTask(Task):
         return parts
 
     def long_way_probability(self) -> float:
-        """See `slew_case.long_way_probability`."""
+        """See `jaxatt.problems.manoeuvre.long_way_probability`."""
         turn = np.asarray(_turn(self.start.q_ob, self.target.q_ob))
         rate, duration = self.initial_state.omega_ob, self.intervals * self.step
         return long_way_probability(turn, rate, duration)
 
 
 def _largest(values: Floats) -> Floats:
-    """Largest size along the last axis, (..., 1); NumPy is slow to reduce a short last axis."""
+    """Largest magnitude along the last axis, (..., 1), faster than NumPy for short axes."""
     sizes = np.moveaxis(np.abs(values), -1, 0)
     return np.asarray(functools.reduce(np.maximum, sizes))[..., None]

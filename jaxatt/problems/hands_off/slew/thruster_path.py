@@ -1,4 +1,4 @@
-"""Cones and body rates on the way of a slew with thrusters: the worst of them, and derivatives.
+"""Worst cone angles and body rates of a slew with thrusters, and their derivatives.
 
 A limit is met everywhere if it is met where it is worst, so each asks for a few rows only: a cone
 for the worst node of every third of the slew, a rate for its worst node.  Derivatives come from
@@ -41,7 +41,7 @@ def _worst(margins: Array, count: int) -> tuple[Array, Array]:
 
 
 def path_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
-    """Worst margins (K,) under scaled controls u (N, b), and their derivatives (N, K, b)."""
+    """Worst margins (K,) for scaled controls u (N, b), and their derivatives (N, K, b)."""
     _, nodes = fly_thrusters(u, p, form)
     limits, toward = p.pointing.limits, p.pointing.directions[1:]
 

@@ -1,4 +1,4 @@
-"""What the torques of each interval do to the end of a slew with thrusters, in closed form.
+"""Terminal errors of a slew with thrusters and their closed-form derivatives.
 
 The errors of attitude, rate and momentum in body axes obey linear equations along the roll-out;
 their adjoint, swept backwards with a Taylor step of second order an interval, gives the Jacobian of
@@ -37,7 +37,7 @@ def body_torques(u: Array, p: SlewParameters) -> Array:
 
 
 def fly_thrusters(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Components, Array]:
-    """Roll-out of scaled controls: the state (10) at the last node and at 1 to N, (N, 10)."""
+    """Roll-out of scaled controls: last state (10), and states at nodes 1 to N, (N, 10)."""
     start = tuple(p.start[i] for i in range(7)) + tuple(p.momentum[i] for i in range(3))
     return external_model.rollout(start, body_torques(u, p), p.table, p.body, form.disturbed)
 
@@ -48,7 +48,7 @@ def _attitude_error(q: Array, p: SlewParameters) -> Array:
 
 
 def _attitude_row(error: Array) -> Array:
-    """4 sin(phi/4) about the error's axis, (3,), as `slew.attitude_row` but in inertial axes."""
+    """Attitude error 4 sin(phi/4) about its axis, (3,), in inertial axes."""
     return 2.0 * error[1:] * jnp.sqrt(2.0 / jnp.maximum(1.0 + error[0], 1e-12))
 
 
@@ -67,7 +67,7 @@ def _attitude_slope(error: Array) -> Array:
 
 
 def terminal_errors(q: Array, omega: Array, p: SlewParameters) -> Array:
-    """Attitude error, 4 sin(phi/4) about its axis in inertial axes, and scaled rate error, (6,)."""
+    """Attitude error, 4 sin(phi/4) about its inertial axis, and scaled rate error, (6,)."""
     return jnp.concatenate([_attitude_row(_attitude_error(q, p)), rate_row(q, omega, p)])
 
 
@@ -97,7 +97,7 @@ def _rows_of(q: Components) -> list[Components]:
 
 
 def _combined(shares: Components, rows: list[Components]) -> Components:
-    """Sum of three rows, each times its share."""
+    """Sum of three rows, each times its factor."""
     return tuple(
         shares[0] * rows[0][c] + shares[1] * rows[1][c] + shares[2] * rows[2][c] for c in range(3)
     )
@@ -106,7 +106,7 @@ def _combined(shares: Components, rows: list[Components]) -> Components:
 def through_interval(
     row: Row, before: Array, after: Array, p: SlewParameters, size: int
 ) -> tuple[Row, list[Array]]:
-    """A row's derivatives with respect to the errors at an interval's start, from those at its end.
+    """Propagate a row's derivatives with respect to the errors back over one interval.
 
     row : components of any shape.  before, after : (10,), states at both ends.
     Also returns its derivatives with respect to the interval's controls, `size` of them.
@@ -116,7 +116,7 @@ def through_interval(
     w, momentum = middle[:3], middle[3:]
 
     def through(row: Row) -> tuple[Row, Components]:
-        """A row times the matrix of the error equations; its derivative to external torque."""
+        """Row times the matrix of the error equations, and its derivative to external torque."""
         a, b, c = row
         d = tuple(x + y for x, y in zip(matvec(inverse, b), c, strict=True))  # J_s is symmetric
         rate = tuple(x + y for x, y in zip(a, cross(d, momentum), strict=True))

@@ -1,4 +1,4 @@
-"""Names that a turn in free time adds to a summary and to an archive's attributes."""
+"""Entries that a turn in free time adds to a summary and to an archive's attributes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _OPTIMUM = ("cost", "kkt", "time_optimum")
 
 
 def names(phase: Phase) -> dict[str, Any]:
-    """Names of one phase: cost, first-order conditions, switches, and how good the optimum is.
+    """Entries of one phase: cost, first-order conditions, switches, optimality.
 
     There are no windows: every active interval counts as one and lies outside them.
     """
@@ -31,13 +31,13 @@ def names(phase: Phase) -> dict[str, Any]:
 
 
 def together(blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The same of several phases: counts are added up, optima stand with their phases only."""
+    """Entries of several phases: sums of counts; optima stand with their phases only."""
     counts = ("weighted_active_intervals", "active_outside_windows")
     return {name: sum(block[name] for block in blocks) for name in counts} | dict.fromkeys(_OPTIMUM)
 
 
 def plain(optimum: TimeOptimum) -> dict[str, Any]:
-    """An optimum in plain numbers, ready for JSON."""
+    """Plain numbers of an optimum, ready for JSON."""
     return {
         "effort_weight": optimum.effort_weight,
         "switch_times_s": switches(optimum),

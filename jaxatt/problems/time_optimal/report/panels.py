@@ -1,4 +1,4 @@
-"""Panels that only a turn in free time has: MRP, switches, the cost of every start."""
+"""Panels of a turn in free time: MRP, switching times, cost of every start."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _sigma = jax.jit(mrp.from_quaternion)
 
 
 def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
-    """The panels of every answer, with the MRP above the Euler angles."""
+    """Panels of any answer, with the MRP above the Euler angles."""
     chosen: dict[str, Panel] = {}
     for name, panel in common.items():
         if name == "euler_angles":
@@ -33,7 +33,7 @@ def panels(answer: Answer, common: Mapping[str, Panel]) -> dict[str, Panel]:
 
 
 def modified_rodrigues(axes: Axes, result: Answer) -> None:
-    """MRP of the set inside the unit sphere, targets dotted; a line breaks where sets change."""
+    """Draw the MRP inside the unit sphere with dotted targets; lines break where sets switch."""
     line = timeline(result.phases)
     sigma = np.asarray(_sigma(line.nodes["q_ob"]))
     time, broken = _broken(line.time, sigma)
@@ -48,7 +48,7 @@ def modified_rodrigues(axes: Axes, result: Answer) -> None:
 
 
 def mark_switches(axes: Axes, result: Answer, kind: str, only: int | None = None) -> None:
-    """Dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
+    """Draw dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
     for phase in result.phases:
         optimum = time_optimum(phase)
         word = {"wheels": "wheel", "thrusters": "thruster"}.get(kind)
@@ -66,7 +66,7 @@ def mark_switches(axes: Axes, result: Answer, kind: str, only: int | None = None
 
 
 def costs_panel(axes: Axes, phase: Phase) -> None:
-    """Cost of every start from the best to the worst, reached or not."""
+    """Draw the cost of every start from the best to the worst, reached or not."""
     optimum, starts = time_optimum(phase), phase.starts
     known = np.isfinite(optimum.start_costs)
     order = np.argsort(np.where(known, optimum.start_costs, np.inf), kind="stable")
@@ -87,6 +87,6 @@ def costs_panel(axes: Axes, phase: Phase) -> None:
 
 
 def _broken(time: Floats, sigma: Floats) -> tuple[Floats, Floats]:
-    """Time and MRP with a gap wherever the set changes."""
+    """Time and MRP with a gap wherever the set switches."""
     jumps = 1 + np.flatnonzero(np.linalg.norm(np.diff(sigma, axis=0), axis=1) > 1.0)
     return np.insert(time, jumps, np.nan), np.insert(sigma, jumps, np.nan, axis=0)

@@ -13,7 +13,7 @@ _SHOWN = 6
 
 
 def title(answer: Answer) -> str:
-    """What is minimised, with the price of effort where it has one."""
+    """Text of what is minimised, with the price of effort where it has one."""
     objective = answer.scenario.objective
     if objective.kind == "time-effort":
         return f"{objective_title(objective.kind)}, rho = {objective.effort_weight:g}"
@@ -21,7 +21,7 @@ def title(answer: Answer) -> str:
 
 
 def rows(answer: Answer) -> Rows:
-    """Time, effort, switches and how good the answer is."""
+    """Rows of time, effort, switches and optimality."""
     weighted = time_optimum(answer.phases[0]).effort_weight > 0.0
     priced: list[Row] = [("cost [s]", lambda b: short(b["cost"], 8))] if weighted else []
     found: list[Row] = [
@@ -38,7 +38,7 @@ def rows(answer: Answer) -> Rows:
 
 
 def _alone(show: Callable[[Block], str]) -> Callable[[Block], str]:
-    """Shown of one phase, empty of several together."""
+    """Function that shows a value of one phase, and nothing of several together."""
     return lambda block: "" if block["time_optimum"] is None else show(block)
 
 

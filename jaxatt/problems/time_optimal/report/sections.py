@@ -1,4 +1,4 @@
-"""What a turn in free time adds to a report."""
+"""Sections that a turn in free time adds to a report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Table of turns in minimum time, printed values beside."""
+"""Table of turns in free time beside printed values."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _WORDS = {"euler": "forward Euler", "rk4": "Runge-Kutta"}
 
 
 def time_table(title: str, rows: Sequence[Mapping[str, Any]], printed: Mapping[str, Any]) -> Group:
-    """What was found with the printed values in brackets, then how good it is.
+    """Table of obtained values with the printed ones in brackets, then the optimality.
 
     rows : as `jaxatt.studies.time_comparison.TimeRow`.
     printed : "final_time_s", "final_time_below_s" and "step_s", where the source has them.

@@ -12,7 +12,7 @@ from jaxatt.records.phase import Phase
 
 
 def variables(phase: Phase, phases: Sequence[Phase]) -> dict[str, Variable]:
-    """How good the optimum is, where every start ended, and that no interval is priced."""
+    """Variables of the optimality and of the outcome of every start."""
     optimum, count = time_optimum(phase), len(phase.active)
     start, along = ("start",), ("interval",)
     return {
