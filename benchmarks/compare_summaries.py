@@ -1,4 +1,4 @@
-"""Two folders of results beside each other: which numbers of `summary.json` differ, and by how much.
+"""Two folders of results beside each other: which numbers of `summary.json` differ.
 
     python -m benchmarks.compare_summaries BEFORE AFTER
 

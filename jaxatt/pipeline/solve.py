@@ -13,7 +13,7 @@ import jax.numpy as jnp
 
 from jaxatt import scenarios
 from jaxatt.problems.family import PhaseStart, SearchOptions
-from jaxatt.problems.hands_off.phase import constraint_margin_notes
+from jaxatt.problems.pointing.notes import constraint_margin_notes
 from jaxatt.problems.registry import family_of
 from jaxatt.records.phase import Phase
 from jaxatt.report.result import Result

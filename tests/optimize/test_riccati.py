@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from jaxatt.attitude.state_manifold import difference, retract
 from jaxatt.optimize.optimal_control import OptimalControlProgram, fly, least_squares
 from jaxatt.optimize.riccati.recursion import (
     StageModel,
@@ -14,7 +15,6 @@ from jaxatt.optimize.riccati.recursion import (
     derivatives_along,
     fly_with_feedback,
 )
-from jaxatt.problems.hands_off.slew.stages import difference, retract
 
 
 def system(rng, n, b):

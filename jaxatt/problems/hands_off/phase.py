@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -24,7 +23,7 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.records.phase import Phase
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
-from jaxatt.records.wording import broken_limit, limit_label
+from jaxatt.records.wording import broken_limit
 from jaxatt.runtime.arrays import Floats
 
 Fly = Callable[[Any, Floats], Flown]
@@ -109,19 +108,6 @@ def _flown_phase(
         ),
     )
     return phase, flown.end
-
-
-def constraint_margin_notes(phase: Phase) -> tuple[str, ...]:
-    """Which cones the search of a phase took stricter than they are, in words."""
-    record = phase.pointing
-    if record is None:
-        return ()
-    return tuple(
-        f"{limit_label(extreme.kind, extreme.name)} was taken {math.degrees(margin):.2g} deg "
-        "stricter, so that the way between the nodes keeps to it"
-        for extreme, margin in zip(record.extremes, record.constraint_margin, strict=False)
-        if margin > 0.0
-    )
 
 
 def _valves(

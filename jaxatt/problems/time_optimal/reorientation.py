@@ -21,10 +21,10 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.attitude import mrp
+from jaxatt.attitude.state_manifold import difference, retract
 from jaxatt.optimize.optimal_control import OptimalControlProgram
-from jaxatt.problems.hands_off.slew import stages as slew_stages
-from jaxatt.problems.hands_off.slew.model import RATE_SCALE, attitude_row
 from jaxatt.problems.pointing.cones import pointing_margins
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
 from jaxatt.problems.time_optimal.derivatives import IntervalDerivatives, torques
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.simulation.free_body import BodyForm, step
@@ -103,8 +103,8 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         return program
     return replace(
         program,
-        retract=slew_stages.retract,
-        difference=slew_stages.difference,
+        retract=retract,
+        difference=difference,
         linearisation=closed.linearisation,
         lagrangian_hessian=closed.lagrangian_hessian,
     )

@@ -11,7 +11,8 @@ from references import random_vehicles
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.slew import model as slew
-from jaxatt.problems.hands_off.slew.model import SlewForm, attitude_row
+from jaxatt.problems.hands_off.slew.model import SlewForm
+from jaxatt.problems.terminal_rows import attitude_row
 
 HALF_TURNS = [0.0, 1e-12, 1e-6, 0.3, np.pi / 2, np.pi - 1e-9, np.pi]
 

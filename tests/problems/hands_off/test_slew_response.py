@@ -11,9 +11,10 @@ import pytest
 from jaxatt import scenarios
 from jaxatt.attitude import quaternion
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, fly_nodes, terminal_rows
+from jaxatt.problems.hands_off.slew.model import SlewForm, fly_nodes, terminal_rows
 from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
 from jaxatt.problems.hands_off.slew.response import response_rows, slew_response
+from jaxatt.problems.terminal_rows import RATE_SCALE
 
 CASES = {
     "hypso1-90-45-15": SlewForm(),

@@ -15,9 +15,10 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
-from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, SlewParameters
+from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.slew.thruster_response import thruster_rows
+from jaxatt.problems.terminal_rows import RATE_SCALE
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, in_chunks
 

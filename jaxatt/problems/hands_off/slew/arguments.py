@@ -11,12 +11,13 @@ from jax import Array
 
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import Environment, EnvironmentTable
-from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, SlewParameters
+from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.mounting import Mounting
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
 from jaxatt.problems.hands_off.task import Goal
 from jaxatt.problems.manoeuvre import Target, Waypoint
 from jaxatt.problems.pointing.cones import NO_POINTING, PointingPath
+from jaxatt.problems.terminal_rows import RATE_SCALE
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.momentum_model import BodyParameters

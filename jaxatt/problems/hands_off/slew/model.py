@@ -15,11 +15,9 @@ from jax import Array
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable
 from jaxatt.problems.pointing.cones import PointingPath
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
 from jaxatt.simulation import momentum_model
 from jaxatt.simulation.momentum_model import BodyParameters
-
-RATE_SCALE = 10.0
-"""[s] A rate error of 1 rad/s counts as 10 rad: over the last ten seconds it would turn as much."""
 
 
 @jax.tree_util.register_dataclass
@@ -87,15 +85,6 @@ class SlewForm:
     def path_limited(self) -> bool:
         """Whether there are path constraints besides limits of the controls."""
         return self.speed_limited or self.pointed
-
-
-def attitude_row(reference: Array, q: Array) -> Array:
-    """Attitude error 4 sin(phi/4) about its axis, (3,), smooth from 0 to 2 pi.
-
-    Its squared norm is 8 (1 - |q' q_ref|), so the attitude cost g of (5.2) is an eighth of it.
-    """
-    error = quaternion.multiply(quaternion.conjugate(reference), q)
-    return 2.0 * error[1:] * jnp.sqrt(2.0 / jnp.maximum(1.0 + error[0], 1e-12))
 
 
 def body_torque(u: Array, p: SlewParameters) -> Array:

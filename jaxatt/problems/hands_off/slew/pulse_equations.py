@@ -19,8 +19,9 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.reweighting.equations import Equations
-from jaxatt.problems.hands_off.slew.model import RATE_SCALE, SlewForm, SlewParameters
+from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.response import flown_states, rows_at
+from jaxatt.problems.terminal_rows import RATE_SCALE
 from jaxatt.simulation.momentum_model import Components
 from jaxatt.simulation.turn_model import turn
 

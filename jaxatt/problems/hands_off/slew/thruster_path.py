@@ -11,9 +11,9 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.attitude.state_manifold import retract
 from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.pointing_path import node_margins
-from jaxatt.problems.hands_off.slew.stages import retract
 from jaxatt.problems.hands_off.slew.thruster_response import Row, fly_thrusters, through_interval
 from jaxatt.simulation.momentum_model import Components
 

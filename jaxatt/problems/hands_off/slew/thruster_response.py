@@ -13,12 +13,12 @@ from jax import Array, lax
 
 from jaxatt.attitude import quaternion
 from jaxatt.problems.hands_off.slew.model import (
-    RATE_SCALE,
     SlewForm,
     SlewParameters,
     inertial_reference,
     rate_row,
 )
+from jaxatt.problems.terminal_rows import RATE_SCALE
 from jaxatt.simulation import external_model
 from jaxatt.simulation.momentum_model import Components, cross, matvec
 
