@@ -12,7 +12,7 @@ from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Result
 from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
-from jaxatt.studies.comparison import compare
+from jaxatt.studies.compare import compare
 from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.relative_sparsity import relative_sparsity

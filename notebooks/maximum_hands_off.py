@@ -44,7 +44,7 @@ from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import fly_pd
 from jaxatt.records.wording import indices_text
-from jaxatt.studies.comparison import compare
+from jaxatt.studies.compare import compare
 
 jax.config.update("jax_enable_x64", True)
 

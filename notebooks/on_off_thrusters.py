@@ -33,7 +33,7 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.records.wording import indices_text
 from jaxatt.report import plots
-from jaxatt.studies.comparison import compare
+from jaxatt.studies.compare import compare
 from jaxatt.studies.relative_sparsity import attainable, relative_sparsity
 
 jax.config.update("jax_enable_x64", True)

@@ -20,7 +20,7 @@ from jaxatt.problems.reading.documents import read_file
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import kind_of, load_flight
-from jaxatt.studies.comparison import compare as run
+from jaxatt.studies.compare import compare as run
 from jaxatt.studies.flight_comparison import compare_flight
 from jaxatt.studies.imaging import compare_imaging
 

@@ -17,7 +17,6 @@ from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
 from jaxatt.problems.hands_off.record import Valves, sparse_section
-from jaxatt.problems.scenario import TIME_KINDS
 from jaxatt.records.wording import OBJECTIVES
 from jaxatt.report import plots
 from jaxatt.report.folder import save as save_result
@@ -29,7 +28,6 @@ from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.baseline import FlownPD, fly_pd_phases
 from jaxatt.studies.relative_sparsity import attainable
-from jaxatt.studies.time_comparison import TimeComparison, compare_times
 
 
 @dataclass(frozen=True)
@@ -142,22 +140,17 @@ class Comparison:
         return as_html(self.table())
 
 
-def compare(
-    scenario: scenarios.Scenario | str | Path,
+def compare_controllers(
+    scenario: scenarios.Scenario,
     starts: int | None = None,
     seed: int | None = None,
     report: Report | None = None,
-) -> Comparison | TimeComparison:
-    """Run every controller of the source on a scenario, or every transcription of a turn in free
-    time.
+) -> Comparison:
+    """Run every controller of the source on a scenario of sparse control.
 
     The PD law is no optimum and knows no toy; moving L0 needs a cheap window.
     starts, seed : replace the scenario's own.  report : as in `solve`.
     """
-    if not isinstance(scenario, scenarios.Scenario):
-        scenario = scenarios.load(scenario)
-    if scenario.objective.kind in TIME_KINDS:
-        return compare_times(scenario, starts, seed, report)
     kinds = ["l1", "l0"]
     if scenario.vehicle is not None and scenarios.window_mask(scenario).any():
         kinds.append("moving-l0")

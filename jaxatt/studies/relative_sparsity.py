@@ -23,7 +23,7 @@ from jaxatt.problems.hands_off.search.candidates import join
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.polish import Method
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.scenario import TIME_KINDS
+from jaxatt.problems.scenario import SPARSE_KINDS
 from jaxatt.records.wording import plural
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling
@@ -196,7 +196,7 @@ def _with_thrusters(scenario: scenarios.Scenario | str | Path) -> scenarios.Scen
         raise scenarios.ScenarioError(
             f"{base.name}: the study is for vehicles with thrusters; choose a scenario with some"
         )
-    if base.objective.kind in TIME_KINDS:
+    if base.objective.kind not in SPARSE_KINDS:
         raise scenarios.ScenarioError(
             f"{base.name}: kind = {base.objective.kind} is not sparse; choose a scenario with l0"
         )

@@ -8,7 +8,7 @@ import pytest
 import jaxatt.studies.comparison
 from jaxatt import scenarios
 from jaxatt.studies.baseline import fly_pd_phases
-from jaxatt.studies.comparison import compare
+from jaxatt.studies.compare import compare
 
 
 @pytest.fixture
