@@ -17,9 +17,7 @@ def certify(
     case: Case,
     starts: Starts = None,
     seed: Seed = None,
-    objective: Annotated[
-        Objective | None, typer.Option(help="What is minimised.", show_default=False)
-    ] = None,
+    objective: Objective = None,
     most: Annotated[
         int | None,
         typer.Option(
@@ -34,7 +32,7 @@ def certify(
     changes = {
         "solver.starts": starts,
         "solver.seed": seed,
-        "objective.kind": None if objective is None else objective.value,
+        "objective.kind": objective,
     }
     with clean_exit():
         scenario, folder = prepared(case, changes, out)

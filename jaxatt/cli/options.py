@@ -8,22 +8,14 @@ from typing import Annotated
 
 import typer
 
+from jaxatt.problems.registry import families
+
 
 class Terminal(StrEnum):
     """Treatment of the target: as a constraint or as a penalty in the cost."""
 
     reach = "reach"
     penalty = "penalty"
-
-
-class Objective(StrEnum):
-    """Objective that is minimised."""
-
-    l0 = "l0"
-    moving_l0 = "moving-l0"
-    l1 = "l1"
-    time_effort = "time-effort"
-    minimum_time = "minimum-time"
 
 
 Case = Annotated[
@@ -50,6 +42,16 @@ Cache = Annotated[
         help="Folder that keeps compiled programs, so that the next process starts faster.",
         envvar="JAX_COMPILATION_CACHE_DIR",
         show_default="none",
+    ),
+]
+Objective = Annotated[
+    str | None,
+    typer.Option(
+        metavar="KIND",
+        help="Objective: "
+        + ", ".join(dict.fromkeys(kind for family in families() for kind in family.kinds))
+        + ".",
+        show_default=False,
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]

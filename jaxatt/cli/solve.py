@@ -29,9 +29,7 @@ def solve(
         Terminal | None,
         typer.Option(help="Reach the target, or minimise the printed cost.", show_default=False),
     ] = None,
-    objective: Annotated[
-        Objective | None, typer.Option(help="What is minimised.", show_default=False)
-    ] = None,
+    objective: Objective = None,
     out: Out = None,
     compile_cache: Cache = None,
     quiet: Quiet = False,
@@ -41,7 +39,7 @@ def solve(
         "solver.starts": starts,
         "solver.seed": seed,
         "objective.terminal": None if terminal is None else terminal.value,
-        "objective.kind": None if objective is None else objective.value,
+        "objective.kind": objective,
     }
     with clean_exit():
         scenario, folder = prepared(case, changes, out)
