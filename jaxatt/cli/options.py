@@ -18,6 +18,15 @@ class Terminal(StrEnum):
     penalty = "penalty"
 
 
+_KINDS = tuple(dict.fromkeys(kind for family in families() for kind in family.kinds))
+
+
+def _known_kind(value: str | None) -> str | None:
+    if value is not None and value not in _KINDS:
+        raise typer.BadParameter(f"{value!r} is not one of {', '.join(_KINDS)}.")
+    return value
+
+
 Case = Annotated[
     str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled scenario or a TOML file.")
 ]
@@ -48,9 +57,8 @@ Objective = Annotated[
     str | None,
     typer.Option(
         metavar="KIND",
-        help="Objective: "
-        + ", ".join(dict.fromkeys(kind for family in families() for kind in family.kinds))
-        + ".",
+        callback=_known_kind,
+        help=f"Objective that is minimised: {', '.join(_KINDS)}.",
         show_default=False,
     ),
 ]
