@@ -2,6 +2,10 @@
 
 from jaxatt import scenarios
 from jaxatt.multistart.minimize import Minimum, minimize
+from jaxatt.multistart.programs.solution import ProgramSolution
+from jaxatt.multistart.programs.solve import solve_program
+from jaxatt.optimize.optimal_control import OptimalControlProgram
+from jaxatt.optimize.transcription.transcribe import transcribe
 from jaxatt.pipeline.certify import certify
 from jaxatt.pipeline.simulate import simulate
 from jaxatt.pipeline.solve import solve
@@ -26,7 +30,9 @@ __all__ = [
     "FlightResult",
     "Leg",
     "Minimum",
+    "OptimalControlProgram",
     "Phase",
+    "ProgramSolution",
     "Result",
     "Scenario",
     "ScenarioError",
@@ -40,5 +46,7 @@ __all__ = [
     "scenarios",
     "simulate",
     "solve",
+    "solve_program",
     "sweep_effort",
+    "transcribe",
 ]

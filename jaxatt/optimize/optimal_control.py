@@ -51,7 +51,8 @@ class Layout:
     parameters, which follow.  times : (x, args) -> (N + 1,) [s], times of the nodes; x is any
     state, for a free final time is one of its coordinates.  controls : (u, args) -> in the user's
     units, scaled : the other way.  decided : lower and upper bounds of the coordinates of the first
-    state that are free.  check : args -> None; raises ValueError where they do not fit.
+    state that are free.  free_time : whether the last of them is the logarithm of the final time.
+    check : args -> None; raises ValueError where they do not fit.
     """
 
     states: int
@@ -60,6 +61,7 @@ class Layout:
     controls: Callable[[Array, Any], Array]
     scaled: Callable[[Array, Any], Array]
     decided: tuple[Floats, Floats]
+    free_time: bool
     check: Callable[[Any], None]
 
 
@@ -292,12 +294,18 @@ def least_squares(
     return cost, curvature
 
 
-def fly(program: OptimalControlProgram, u: Array, args: Any) -> tuple[Array, Array]:
-    """States at nodes 0 to N - 1, (N, s), and at node N, (s,), under the controls u (N, b)."""
+def fly(
+    program: OptimalControlProgram, u: Array, args: Any, first: Array | None = None
+) -> tuple[Array, Array]:
+    """States at nodes 0 to N - 1, (N, s), and at node N, (s,), under the controls u (N, b).
+
+    first : (s,), state at the first node where that is not the programme's own.
+    """
 
     def advance(x: Array, inputs: tuple[Array, Any]) -> tuple[Array, Array]:
         row, stage = inputs
         return program.dynamics(x, row, stage, args), x
 
-    end, nodes = lax.scan(advance, program.start(args), (u, program.stages(args)))
+    begin = program.start(args) if first is None else first
+    end, nodes = lax.scan(advance, begin, (u, program.stages(args)))
     return nodes, end

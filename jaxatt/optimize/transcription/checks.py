@@ -22,23 +22,8 @@ _AGREES = 1e-6
 """Difference between an error and what becomes of it by retract and difference."""
 
 
-def check_arrays(p: Any) -> None:
-    """Raise ValueError for the first parameter that is not an array of numbers."""
-    for path, leaf in jax.tree_util.tree_flatten_with_path(p, is_leaf=lambda x: x is None)[0]:
-        try:
-            kind = np.asarray(leaf).dtype.kind
-        except (TypeError, ValueError):
-            kind = "O"
-        if kind not in "biuf" or isinstance(leaf, (list, tuple)):
-            raise ValueError(
-                f"parameters{jax.tree_util.keystr(path)} is {leaf!r}, of type "
-                f"{type(leaf).__name__}; every parameter has to be an array of real numbers"
-            )
-
-
 def check_parameters(of: Continuous, p: Any) -> None:
-    """Raise ValueError where the parameters, or the functions of them, do not make sense."""
-    check_arrays(p)
+    """Raise ValueError where the functions of the parameters do not make sense."""
     start = _value("initial_state", of.initial_state, (of.states,), p)
     if not np.isfinite(start).all():
         raise ValueError(f"initial_state is {start}; finite numbers are expected")
@@ -79,7 +64,6 @@ def _rows(of: Continuous) -> dict[str, tuple[Any, tuple[int, ...] | None, bool]]
 def _check_rows(of: Continuous, p: Any) -> None:
     """Shapes, and numbers, of all functions and their derivatives at the first state."""
     rows = _rows(of)
-    # A time of zero could hide what happens later, but the first evaluation is at the start.
     y = of.guess(p)
     when = jnp.zeros(())
 

@@ -6,11 +6,12 @@ Runge-Kutta formula and the manifold's difference; each is differentiated by its
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from jaxatt.optimize.optimal_control import Linearisation
 from jaxatt.optimize.riccati.recursion import product
@@ -49,30 +50,31 @@ class StageDerivatives:
             return end[:s] - y_next[:s]
         return self.of.difference(end[:s], y_next[:s])
 
-    def _spread(self, y: Array) -> Array:
-        """Derivative of the user's states by their error coordinates, (s, n)."""
-        rest = jnp.zeros(self.of.error_size, y.dtype)
-        return jax.jacfwd(lambda e: self._retracted(y, e))(rest)
-
     def linearisation(
         self, y: Array, u: Array, y_next: Array, interval: Interval, p: Any
     ) -> Linearisation:
         """See `OptimalControlProgram`."""
-        s, n, decided = self.of.states, self.of.error_size, self.of.decided
-        found = self.formula.expand(y, u, interval, p)
-        missed = self._missed(found.end, y_next)
-        by_end, by_cost = found.by_end, found.by_cost
-        if self.of.retract is not None:
-            by_next = jax.jacfwd(self._missed)(found.end[:s], y_next)
-            spread = self._spread(y)
-            by_end = product(by_next, by_end)
-            by_end = jnp.concatenate([product(by_end[:, :s], spread), by_end[:, s:]], axis=1)
-            first = jnp.sum(by_cost[:s, None] * spread, axis=0)
-            by_cost = jnp.concatenate([first, by_cost[s:]])
+        of = self.of
+        s, n, decided = of.states, of.error_size, of.decided
+        width = n + decided + of.controls
+        if of.retract is None:
+            found = self.formula.expand(y, u, interval, p)
+            missed, by_end = found.end[:s] - y_next[:s], found.by_end
+        else:
+            rest = jnp.zeros(n, y.dtype)
+            spread = jax.jacfwd(lambda e: self._retracted(y, e))(rest)
+            spread = jnp.concatenate([spread, jnp.zeros((s, width - n), y.dtype)], axis=1)
+            found = self.formula.expand(y, u, interval, p, spread)
+
+            def along(direction: Array) -> tuple[Array, Array]:
+                return jax.jvp(
+                    lambda end: self._missed(end, y_next), (found.end[:s],), (direction,)
+                )
+
+            missed, by_end = jax.vmap(along, in_axes=1, out_axes=(None, 1))(found.by_end)
         gap = jnp.concatenate([missed, y[s:] - y_next[s:]])
-        still = jnp.eye(n + decided, by_end.shape[1], dtype=y.dtype)[n:]
-        dynamics = jnp.concatenate([by_end, still])
-        return Linearisation(gap, dynamics, by_cost, found)
+        still = jnp.eye(n + decided, width, dtype=y.dtype)[n:]
+        return Linearisation(gap, jnp.concatenate([by_end, still]), found.by_cost, found)
 
     def lagrangian_hessian(
         self,
@@ -86,25 +88,32 @@ class StageDerivatives:
     ) -> Array:
         """See `OptimalControlProgram`."""
         s, n = self.of.states, self.of.error_size
+        costate = costate[:n]
         if self.of.retract is None:
-            return self.formula.bend(kept.points, interval, costate[:n], p).hessian
-        end, costate = kept.end[:s], costate[:n]
+            return self.formula.bend(kept, interval, costate, p).hessian
 
         def valued(end: Array) -> Array:
             return jnp.sum(costate * self._missed(end, y_next))
 
-        at_end = jax.grad(valued)(end)
-        bent = self.formula.bend(kept.points, interval, at_end, p)
-        curved = jax.hessian(valued)(end)
-        hessian = bent.hessian + product(kept.by_end.T, product(curved, kept.by_end))
-        spread = self._spread(y)
-        hessian = jnp.concatenate([product(spread.T, hessian[:s]), hessian[s:]])
-        hessian = jnp.concatenate([product(hessian[:, :s], spread), hessian[:, s:]], axis=1)
+        at_end, curved = _along(valued, kept.end[:s], kept.by_end.T)
+        bent = self.formula.bend(kept, interval, at_end, p)
+        hessian = bent.hessian + product(kept.by_end.T, curved.T)
 
         def started(error: Array) -> Array:
-            return jnp.sum(by_start * self._retracted(y, error))
+            return jnp.sum(bent.by_start * self._retracted(y, error))
 
-        by_start = bent.by_start
-        turned = jax.hessian(started)(jnp.zeros(n, y.dtype))
-        size = hessian.shape[0] - n
-        return hessian + jnp.pad(turned, ((0, size), (0, size)))
+        _, turned = _along(started, jnp.zeros(n, y.dtype), jnp.eye(n, dtype=y.dtype))
+        rest = hessian.shape[0] - n
+        return hessian + jnp.pad(turned, ((0, rest), (0, rest)))
+
+
+def _along(function: Callable[[Array], Array], at: Array, directions: Array) -> tuple[Array, Array]:
+    """Gradient of a function, and its Hessian along directions (k, size), (k, size).
+
+    A loop, for the reason given in `RungeKutta.bend`.
+    """
+
+    def one(_: None, direction: Array) -> tuple[None, Array]:
+        return None, jax.jvp(jax.grad(function), (at,), (direction,))[1]
+
+    return jax.grad(function)(at), lax.scan(one, None, directions)[1]

@@ -21,8 +21,6 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from jaxatt.optimize.riccati.recursion import product
-
 Rate = Callable[[Array, Array, Array, Any], Array]
 
 
@@ -33,34 +31,28 @@ class Interval(NamedTuple):
     length: Array
 
 
-class Points(NamedTuple):
-    """Where the rates were evaluated, P points.
-
-    at : (P, S + b), states and controls.  moved : (P, m, S + b), derivatives of the moving
-    coordinates there by state and controls at the beginning.  slope : (P, r, S + b), of the rates.
-    """
-
-    at: Array
-    moved: Array
-    slope: Array
-
-
 class Expansion(NamedTuple):
-    """An interval to first order.
+    """An interval to first order, in z directions of its beginning, P points.
 
-    end : (S,).  cost : ().  by_end : (m, S + b), derivatives of the moving coordinates at the end.
-    by_cost : (S + b,).  points : what the second order needs.
+    end : (S,).  cost : ().  by_end : (m, z), derivatives of the moving coordinates at the end.
+    by_cost : (z,).  at : (P, S + b), states and controls where the rates were evaluated.
+    moved : (P, m, z), derivatives of the moving coordinates there.
     """
 
     end: Array
     cost: Array
     by_end: Array
     by_cost: Array
-    points: Points
+    at: Array
+    moved: Array
 
 
 class Bending(NamedTuple):
-    """hessian : (S + b, S + b) of cost + costate . end.  by_start : (m,), its gradient there."""
+    """Second derivatives of cost + costate . end, and a gradient on the way.
+
+    hessian : (z, z), in the directions of the beginning.  by_start : (m,), by the coordinates there
+    that move.
+    """
 
     hessian: Array
     by_start: Array
@@ -131,17 +123,27 @@ class RungeKutta:
         end = jnp.concatenate([total[:m], still])
         return end, total[m] if self.costs else jnp.zeros((), y.dtype)
 
-    def expand(self, y: Array, u: Array, interval: Interval, args: Any) -> Expansion:
-        """The same to first order."""
-        m, rates = self.moving, self.moving + self.costs
-        width = self.total + self.controls
-        dtype, still = y.dtype, y[m:]
-        nothing, flat = jnp.zeros(rates, dtype), jnp.zeros((rates, width), dtype)
-        begin = jnp.concatenate([y[:m], nothing[m:]])
-        by_begin = jnp.eye(m, width, dtype=dtype)
-        by_begin = jnp.concatenate([by_begin, flat[m:]])
+    def expand(
+        self, y: Array, u: Array, interval: Interval, args: Any, spread: Array | None = None
+    ) -> Expansion:
+        """The same to first order.
 
-        def point(carry: tuple[Array, ...], row: _Formula) -> tuple[tuple[Array, ...], Points]:
+        spread : (m, z), derivatives of the moving coordinates at the beginning; the last S - m + b
+        directions are those of the other coordinates and the controls.  By default it is 1.
+        """
+        m = self.moving
+        dtype, still = y.dtype, y[m:]
+        begin = jnp.concatenate([y[:m], jnp.zeros(self.costs, dtype)])
+        if spread is None:
+            spread = jnp.eye(m, self.total + self.controls, dtype=dtype)
+        width = spread.shape[1]
+        by_begin = jnp.concatenate([spread, jnp.zeros((self.costs, width), dtype)])
+        nothing, flat = jnp.zeros_like(begin), jnp.zeros_like(by_begin)
+        rest = self._rest(width, dtype)
+
+        def point(
+            carry: tuple[Array, ...], row: _Formula
+        ) -> tuple[tuple[Array, ...], tuple[Array, Array]]:
             base, total, rate, by_base, by_total, by_rate = carry
             base = jnp.where(row.begins, total, base)
             by_base = jnp.where(row.begins, by_total, by_base)
@@ -150,60 +152,82 @@ class RungeKutta:
             moved = by_base[:m] + share * by_rate[:m]
             when = interval.time + interval.length * row.when
 
-            def rated(z: Array) -> tuple[Array, Array]:
-                found = self.rate(z[: self.total], z[self.total :], when, args)
-                return found, found
+            def along(direction: Array) -> tuple[Array, Array]:
+                return jax.jvp(lambda z: self._rated(z, when, args), (at,), (direction,))
 
-            slope, rate = jax.jacfwd(rated, has_aux=True)(at)
-            by_rate = product(slope[:, :m], moved)
-            by_rate = by_rate + jnp.concatenate([flat[:, :m], slope[:, m:]], axis=1)
+            columns = jnp.concatenate([moved, rest])
+            rate, by_rate = jax.vmap(along, in_axes=1, out_axes=(None, 1))(columns)
             ahead = (base, total + own * rate, rate, by_base, by_total + own * by_rate, by_rate)
-            return ahead, Points(at, moved, slope)
+            return ahead, (at, moved)
 
         carry: tuple[Array, ...] = (begin, begin, nothing, by_begin, by_begin, flat)
         (_, total, _, _, by_total, _), points = lax.scan(point, carry, _formula(self.steps))
         end = jnp.concatenate([total[:m], still])
         if not self.costs:
             none = jnp.zeros(width, dtype)
-            return Expansion(end, none[0], by_total, none, points)
-        return Expansion(end, total[m], by_total[:m], by_total[m], points)
+            return Expansion(end, none[0], by_total, none, *points)
+        return Expansion(end, total[m], by_total[:m], by_total[m], *points)
 
-    def bend(self, points: Points, interval: Interval, costate: Array, args: Any) -> Bending:
+    def _rated(self, z: Array, when: Array, args: Any) -> Array:
+        return self.rate(z[: self.total], z[self.total :], when, args)
+
+    def _rest(self, width: int, dtype: Any) -> Array:
+        """Derivatives of all that does not move, (S - m + b, z)."""
+        rows = self.total + self.controls - self.moving
+        return jnp.eye(rows, width, width - rows, dtype=dtype)
+
+    def bend(self, found: Expansion, interval: Interval, costate: Array, args: Any) -> Bending:
         """Second derivatives of cost + costate . moving coordinates at the end, (m,)."""
         m, dtype = self.moving, costate.dtype
         rows = _formula(self.steps)
         whole = jnp.ones(int(self.costs), dtype)
         after = jnp.concatenate([rows.before[1:], jnp.zeros(1)])
 
+        def weighed(z: Array, weight: Array, when: Array) -> Array:
+            rate = self._rated(z, interval.time + interval.length * when, args)
+            return jnp.sum(weight * rate)
+
         def back(
-            carry: tuple[Array, Array, Array], inputs: tuple[Array, Array, Array, Array]
+            carry: tuple[Array, Array, Array], inputs: tuple[_Formula, Array, Array]
         ) -> tuple[tuple[Array, Array, Array], Array]:
             at_end, gathered, ahead = carry
-            begins, own, following, slope = inputs
-            weight = own * jnp.concatenate([at_end, whole])
+            row, following, at = inputs
+            weight = row.own * jnp.concatenate([at_end, whole])
             weight = weight + following * jnp.concatenate([ahead, 0.0 * whole])
             weight = interval.length * weight
-            here = jnp.sum(slope[:, :m] * weight[:, None], axis=0)
+            here = jax.grad(weighed)(at, weight, row.when)[:m]
             gathered = gathered + here
-            at_end = jnp.where(begins, at_end + gathered, at_end)
-            gathered = jnp.where(begins, 0.0, gathered)
+            at_end = jnp.where(row.begins, at_end + gathered, at_end)
+            gathered = jnp.where(row.begins, 0.0, gathered)
             return (at_end, gathered, here), weight
 
         none = jnp.zeros(m, dtype)
-        inputs = (rows.begins, rows.own, after, points.slope)
+        inputs = (rows, after, found.at)
         (by_start, _, _), weights = lax.scan(back, (costate, none, none), inputs, reverse=True)
+        rest = self._rest(found.moved.shape[2], dtype)
 
-        def bent(at: Array, weight: Array, moved: Array, when: Array) -> Array:
-            def weighed(z: Array) -> Array:
-                time = interval.time + interval.length * when
-                found = self.rate(z[: self.total], z[self.total :], time, args)
-                return jnp.sum(weight * found)
+        def pulled(direction: Array, only: Array) -> Array:
+            """Hessians of the weighed rates at all points along one direction there, (P, S + b)."""
 
-            hessian = jax.jacfwd(jax.grad(weighed))(at)
-            half = product(hessian[:, :m], moved)
-            half = half + jnp.concatenate([jnp.zeros_like(hessian[:, :m]), hessian[:, m:]], axis=1)
-            upper = product(moved.T, half[:m])
-            return upper + jnp.concatenate([jnp.zeros_like(half[:m]), half[m:]])
+            def at_point(at: Array, weight: Array, when: Array, moved: Array) -> Array:
+                columns = jnp.concatenate([moved, only])
+                return jax.jvp(jax.grad(lambda z: weighed(z, weight, when)), (at,), (columns,))[1]
 
-        hessian = jnp.sum(jax.vmap(bent)(points.at, weights, points.moved, rows.when), axis=0)
+            return jax.vmap(at_point)(found.at, weights, rows.when, direction)
+
+        # A loop over the directions: what it leaves is there once, and not computed again by XLA
+        # for every entry of the product that follows.
+        directions = jnp.moveaxis(found.moved, 2, 0), rest.T
+        bent = lax.scan(lambda _, row: (None, pulled(*row)), None, directions)[1]
+        upper = jnp.sum(_times(found.moved, jnp.moveaxis(bent[:, :, :m], 0, 2)), axis=0)
+        lower = jnp.sum(bent[:, :, m:], axis=1).T
+        hessian = jnp.concatenate([upper[: -len(lower)], upper[-len(lower) :] + lower])
         return Bending(0.5 * (hessian + hessian.T), by_start)
+
+
+def _times(moved: Array, bent: Array) -> Array:
+    """moved' bent at every point, (P, z, z), as a sum of rank-one products."""
+    total = moved[:, 0, :, None] * bent[:, 0, None, :]
+    for k in range(1, moved.shape[1]):
+        total = total + moved[:, k, :, None] * bent[:, k, None, :]
+    return total

@@ -222,6 +222,7 @@ def _programme(of: Continuous, count: int, steps: int) -> OptimalControlProgram:
             controls=of.unscaled,
             scaled=lambda u, p: (u - of.scale(p)[0]) / of.scale(p)[1],
             decided=_decided(of),
+            free_time=of.duration is None,
             check=lambda p: check_parameters(of, p),
         ),
     )
