@@ -212,7 +212,10 @@ def _answer(
         own, free = x[:, : layout.states], x[0, layout.states :][: layout.parameters]
         flat = jnp.zeros(u.shape[1])
         middle, high = (np.asarray(layout.controls(v, args)) for v in (flat, flat + 1.0))
-        u, per_control = np.asarray(layout.controls(jnp.asarray(u), args)), high - middle
+        u, per_control = (
+            np.asarray(jax.vmap(layout.controls, (0, None))(jnp.asarray(u), args)),
+            high - middle,
+        )
     dual = jax.tree.map(lambda leaf: leaf[best] / factor, found.dual)
     multipliers = ProgramMultipliers(
         found.equality[best] / factor,
