@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 from jaxatt.records.phase import Section, squared_effort
-from jaxatt.records.pointing import Extreme, PointingRecord
 from jaxatt.records.timeline import at_nodes, node_times, timeline
-from jaxatt.records.wording import constraint_margin_notes
 
 
 def two_phases(coast):
@@ -76,22 +74,3 @@ def test_a_section_without_words_of_its_own_tells_times():
     assert phases[0].section.headline(phases) == "6.0000 s, 1.0000 s"
     assert phases[0].section.brief(phases) == "7 s"
     assert repr(phases[1]) == "Leg(reached, 1 s)"
-
-
-def test_notes_name_the_cones_that_were_taken_stricter():
-    extremes = tuple(
-        Extreme(name, kind, 1.0, 0.5, 0.0, True)
-        for name, kind in (("sun", "keep-out"), ("nadir", "keep-in"), ("body rate", "body-rate"))
-    )
-    empty = np.zeros((1, 2, 3))
-    record = PointingRecord(
-        time=np.zeros(1),
-        angles=np.zeros((1, 2)),
-        boresights=empty,
-        directions=empty,
-        extremes=extremes,
-        constraint_margin=np.array([0.0, np.radians(0.25)]),
-    )
-    (note,) = constraint_margin_notes(record)
-    assert note.startswith("keep-in nadir was taken 0.25 deg stricter")
-    assert constraint_margin_notes(None) == ()
