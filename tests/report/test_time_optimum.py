@@ -10,7 +10,6 @@ import pytest
 from jaxatt.drawing.figure import picture
 from jaxatt.problems.time_optimal.report import panels as time_panels
 from jaxatt.problems.time_optimal.switches import switch_times
-from jaxatt.records.phase import squared_effort
 from jaxatt.report import plots
 from jaxatt.report.summary import summary
 
@@ -50,10 +49,6 @@ def test_a_torque_within_its_limits_has_no_switches():
     torque = np.linspace(0.4, -0.4, 20)[:, None]
     found = switch_times(torque, np.arange(21.0), np.array([-0.5]), np.array([0.5]))
     assert found[0].shape == (0,)
-
-
-def test_the_effort_is_the_integral_of_all_squares():
-    assert squared_effort(np.array([[1.0, 2.0], [3.0, 0.0]]), 0.5) == 7.0
 
 
 def test_the_summary_holds_time_step_effort_and_optimality(turn):

@@ -8,6 +8,7 @@ from jaxatt.attitude import quaternion
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.flown import flown_end, flown_series
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs
@@ -65,12 +66,7 @@ def time_record(
     reached = bool(verdict.reached[0])
     effort = float(task.effort(torque, np.asarray(step)))
     count = task.intervals
-    series = {
-        "q_ob": np.asarray(flown.q_ob[0]),
-        "omega_ob": np.asarray(flown.omega_ob[0]),
-        "omega_ib": np.asarray(flown.omega_ib[0]),
-        "omega_bw": np.asarray(flown.omega_bw[0]),
-    }
+    series = flown_series(flown)
     if n:
         series["torque_wheels"] = torque[:, :n]
         series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
@@ -134,8 +130,7 @@ def time_record(
             resolved_time=None if arcs is None else arcs.final_time,
         ),
     )
-    end = (np.asarray(part[0, -1]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
-    return record, InitialState(*end)
+    return record, flown_end(flown, count)
 
 
 def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from jaxatt.problems.flown import flown_end, flown_series
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown
-from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
@@ -15,12 +15,7 @@ from jaxatt.simulation.flight import Trajectory
 def fly_slew(task: SlewTask, controls: Floats) -> Flown:
     """Fly torques (1, N, b) of a slew on the full model and judge the flight."""
     flown = task.fly(controls)
-    series = {
-        "q_ob": np.asarray(flown.q_ob[0]),
-        "omega_ob": np.asarray(flown.omega_ob[0]),
-        "omega_ib": np.asarray(flown.omega_ib[0]),
-        "omega_bw": np.asarray(flown.omega_bw[0]),
-    }
+    series = flown_series(flown)
     if task.craft.wheels.count:
         series["torque_body"] = task.body_torque(controls[0])
         series["torque_wheels"] = task.wheel_torque(controls[0])
@@ -29,13 +24,12 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
     reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
     if task.waypoint is not None:
         reference["waypoint"] = task.waypoint.q_ob
-    ends = (flown.q_ob, flown.omega_ob, flown.omega_bw)
     return Flown(
         task.judge(flown, controls),
         task.cost(flown, controls),
         series,
         reference,
-        InitialState(*(np.asarray(part[0, task.intervals]) for part in ends)),
+        flown_end(flown, task.intervals),
         _pointing(task, flown),
     )
 
