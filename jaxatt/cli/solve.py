@@ -17,7 +17,8 @@ from jaxatt.cli.common import (
 )
 from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts, Terminal
 from jaxatt.pipeline.solve import solve as find
-from jaxatt.report.tables import do_nothing_sentence, result_table
+from jaxatt.report.do_nothing import do_nothing_sentence
+from jaxatt.report.tables import result_table
 from jaxatt.runtime.progress import Reporter
 
 

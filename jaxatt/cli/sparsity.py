@@ -8,9 +8,9 @@ import typer
 
 from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared, show
 from jaxatt.cli.options import Cache, Case, Out, Quiet
-from jaxatt.report.tables import sparsity_table
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.relative_sparsity import relative_sparsity
+from jaxatt.studies.sparsity_table import sparsity_table
 
 
 def sparsity(

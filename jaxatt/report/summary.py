@@ -20,6 +20,7 @@ from jaxatt.problems.answer import Answer
 from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
 from jaxatt.records.wording import LIMITS
+from jaxatt.report.do_nothing import do_nothing_cost
 from jaxatt.report.family import sections_of, sections_of_phase
 from jaxatt.runtime.json_files import plain, write_json
 
@@ -98,15 +99,6 @@ def summary(result: Answer) -> dict[str, Any]:
 def write_summary(result: Answer, path: str | Path) -> None:
     """Write the summary as a JSON file."""
     write_json(summary(result), path)
-
-
-def do_nothing_cost(result: Answer) -> float | None:
-    """Printed cost of applying no torque at all, where it is known."""
-    known = result.extra.get("do_nothing_cost")
-    if known is not None:
-        return float(known)
-    resting = not any(phase.active.any() for phase in result.phases)
-    return sum(phase.total_cost for phase in result.phases) if resting else None
 
 
 def starts_summary(starts: StartsRecord) -> dict[str, int]:

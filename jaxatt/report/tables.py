@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rich import box
-from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.sections import Block, Row
 from jaxatt.records.phase import Phase
-from jaxatt.records.wording import LIMITS, indices_text, limit_label, limit_text, short
+from jaxatt.records.wording import LIMITS, limit_label, limit_text, short
+from jaxatt.report.do_nothing import do_nothing_sentence
 from jaxatt.report.family import sections_of
-from jaxatt.report.summary import do_nothing_cost, summary
+from jaxatt.report.summary import summary
 
 _ERRORS = (
     ("attitude", "attitude error [deg]", "attitude_error_deg"),
@@ -53,150 +53,6 @@ def result_table(result: Answer) -> Table:
             # As Text: rich would read "[deg]" in a plain string as a style.
             table.add_row(Text(label), *(Text(c) if isinstance(c, str) else c for c in cells))
     return table
-
-
-def comparison_table(
-    title: str,
-    rows: Sequence[Mapping[str, Any]],
-    printed: Mapping[str, Any] | None = None,
-    findings: Sequence[str] = (),
-) -> Group:
-    """Table of obtained and printed values, followed by the quality of the answers.
-
-    rows : as `jaxatt.studies.comparison.Row.to_dict` gives them.
-    printed : the scenario's printed values.
-    findings : sentences below the tables.
-    """
-    toy = all(row["state_error"] is not None for row in rows)
-    errors: tuple[str, ...] = ("attitude [deg]", "rate [rad/s]")
-    if toy:
-        errors = ("state error", "in tolerance")
-    passing = any(row["waypoint_error_deg"] is not None for row in rows)
-    errors += ("waypoint [deg]",) if passing else ()
-    timed = len({row["final_time_s"] for row in rows}) > 1
-    errors += ("final time [s]",) if timed else ()
-    sparsity = any(row["printed"]["relative_sparsity_percent"] is not None for row in rows)
-    found = _controllers(
-        (
-            "active (printed)",
-            *(("% of all (printed)",) if sparsity else ()),
-            "intervals",
-            "outside windows (printed)",
-            "weighted",
-            "optimised in",
-        ),
-        title,
-    )
-    judged = _controllers(
-        (*errors, "L1 effort", "J", "starts reached", "time [s] (printed)"), "Flown again"
-    )
-    for row in rows:
-        name = Text(row["controller"], style="" if row["reached"] else "yellow")
-        found.add_row(
-            name,
-            _beside(row["active_intervals"], row["printed"]["active_intervals"]),
-            *([_share(row)] if sparsity else []),
-            indices_text(row["active_interval_indices"]),
-            _beside(row["active_outside_windows"], row["printed"]["active_outside_windows"]),
-            short(row["weighted_active_intervals"]),
-            row["axes"],
-        )
-        worst = [short(row["state_error"], 3), "yes" if row["reached"] else "no"]
-        if not toy:
-            worst = [short(row["attitude_error_deg"], 3), short(row["rate_error_rad_s"], 3)]
-        if passing:
-            worst.append(short(row["waypoint_error_deg"], 3))
-        if timed:
-            worst.append(short(row["final_time_s"]))
-        judged.add_row(
-            name,
-            *worst,
-            short(row["l1_effort_Nms"]),
-            short(row["objective_total"]),
-            "" if row["starts"] is None else f"{row['starts_reached']} of {row['starts']}",
-            _beside(short(row["time_s"], 3), short(row["printed"]["cpu_time_s"], 4)),
-        )
-    told = [Text(sentence) for sentence in findings]
-    return Group(found, judged, *([_printed(printed)] if sparsity and printed else []), *told)
-
-
-def sparsity_table(study: Mapping[str, Any]) -> Group:
-    """Table of a study of relative sparsity, from its `to_dict`."""
-    tables = []
-    for key, title in (
-        ("against_intervals", "Relative sparsity against intervals"),
-        ("against_limit", "Relative sparsity against torque limit"),
-    ):
-        table = Table(title=Text(title, style="bold"), box=box.SIMPLE_HEAD, title_justify="left")
-        for header in ("N", "limit [N m]", "active", "found [%]", "one axis [%]", "bound [%]"):
-            table.add_column(Text(header), justify="right")
-        for point in study[key]:
-            table.add_row(
-                str(point["intervals"]),
-                short(point["torque_limit_Nm"]),
-                str(point["active_intervals"]) if point["reached"] else "not reached",
-                short(point["percent"]) if point["reached"] else "",
-                short(point["eigenaxis_percent"]),
-                short(point["bound_percent"]),
-            )
-        tables.append(table)
-    return Group(*tables)
-
-
-def _share(row: Mapping[str, Any]) -> str:
-    printed = row["printed"]["relative_sparsity_percent"]
-    return _beside(short(row["relative_sparsity_percent"]), short(printed))
-
-
-def _printed(printed: Mapping[str, Any]) -> Text:
-    """Text of what the source prints besides counts."""
-    values = {
-        name: value
-        for block in printed.values()
-        if isinstance(block, Mapping)
-        for name, value in block.items()
-    }
-    listed = ", ".join(f"{name} {value}" for name, value in values.items())
-    return Text(f"Printed in table {printed.get('table', '?')}: {listed}.")
-
-
-def _controllers(headers: Sequence[str], title: str) -> Table:
-    table = Table(
-        title=Text(title, style="bold"),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
-    table.add_column("controller", no_wrap=True)
-    for header in headers:
-        table.add_column(Text(header), justify="left" if header == "intervals" else "right")
-    return table
-
-
-def do_nothing_sentence(result: Answer) -> str:
-    """Sentence for cases whose printed cost is lowest at rest, or tumbling, off the target."""
-    cost = do_nothing_cost(result)
-    if result.scenario.objective.terminal != "penalty" or cost is None:
-        return ""
-    others = [phase.alternative for phase in result.phases if phase.alternative is not None]
-    against = ""
-    if len(others) == len(result.phases):
-        total = sum(other.total_cost for other in others)
-        against = f" against {total:.4g} for the best start that reaches"
-    if not any(phase.active.any() for phase in result.phases):
-        return f"The printed objective prefers not moving: J = {cost:.4g}{against}."
-    turned = [phase for phase in result.phases if not phase.reached and "rate" in phase.errors]
-    if not turned:
-        return ""
-    worst = max(turned, key=lambda phase: phase.errors["attitude"])
-    return (
-        "The printed objective prefers tumbling to braking: "
-        f"J = {sum(phase.total_cost for phase in result.phases):.4g} ends "
-        f"{math.degrees(worst.errors['attitude']):.3g} deg off at "
-        f"{math.degrees(worst.errors['rate']):.3g} deg/s{against}; "
-        f"not moving costs {cost:.4g}."
-    )
 
 
 def _caption(result: Answer, numbers: Mapping[str, Any]) -> Text:
@@ -279,8 +135,3 @@ def _starts(block: Block) -> str:
         f"{starts['reached_target']} of {starts['requested']} reached, "
         f"{starts['converged']} converged, {starts['distinct_minima']} distinct minima"
     )
-
-
-def _beside(ours: Any, printed: Any) -> str:
-    mine = "-" if ours is None or ours == "" else str(ours)
-    return mine if printed is None or printed == "" else f"{mine} ({printed})"

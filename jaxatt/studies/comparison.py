@@ -22,11 +22,11 @@ from jaxatt.report import plots
 from jaxatt.report.folder import save as save_result
 from jaxatt.report.result import Result
 from jaxatt.report.summary import summary
-from jaxatt.report.tables import comparison_table
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.baseline import FlownPD, fly_pd_phases
+from jaxatt.studies.controllers_table import comparison_table
 from jaxatt.studies.relative_sparsity import attainable
 
 

@@ -18,7 +18,6 @@ from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
 from jaxatt.problems.time_optimal.record import time_optimum
-from jaxatt.problems.time_optimal.report.time_table import time_table
 from jaxatt.report import plots
 from jaxatt.report.folder import save as save_result
 from jaxatt.report.result import Result
@@ -27,6 +26,7 @@ from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.eigenaxis_time import eigenaxis_time, has_no_gyroscopic_torque
+from jaxatt.studies.time_table import time_table
 
 _EULER_TOLERANCE_DEG = 2.0
 """Forward Euler ends some way off when flown; that is reported rather than refused."""

@@ -13,7 +13,7 @@ from jaxatt.report import plots
 from jaxatt.report.archive import open_archive, write_archive
 from jaxatt.report.dataset import to_dataset
 from jaxatt.report.summary import summary, write_summary
-from jaxatt.report.tables import comparison_table
+from jaxatt.studies.controllers_table import comparison_table
 
 TRIED = FinalTimes(
     time_weight=0.1,

@@ -12,7 +12,10 @@ from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.hands_off.certificate import CertificateRecord
-from jaxatt.problems.hands_off.report import certificate_report
+from jaxatt.problems.hands_off.report.certificate_map import plot
+from jaxatt.problems.hands_off.report.certificate_numbers import to_dataset, to_dict
+from jaxatt.problems.hands_off.report.certificate_table import table
+from jaxatt.problems.hands_off.report.certificate_words import sentences
 from jaxatt.runtime.files import filling, replacing
 from jaxatt.runtime.json_files import write_json
 
@@ -26,23 +29,23 @@ class Certificate(CertificateRecord):
 
     def sentences(self) -> list[str]:
         """Return what was shown, in sentences."""
-        return certificate_report.sentences(self)
+        return sentences(self)
 
     def table(self) -> Table:
         """Return a table of the classes of supports and what became of them."""
-        return certificate_report.table(self)
+        return table(self)
 
     def plot(self) -> Picture:
         """Plot a map of the feasible pairs of intervals."""
-        return certificate_report.plot(self)
+        return plot(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain numbers, ready for JSON."""
-        return certificate_report.to_dict(self)
+        return to_dict(self)
 
     def to_dataset(self) -> xarray.Dataset:
         """Return every support of the found cost, with effort and residual both ways round."""
-        return certificate_report.to_dataset(self)
+        return to_dataset(self)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write certificate.json, certificate.nc and certificate.png; all of them, or none."""
