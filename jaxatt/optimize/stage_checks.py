@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.parameter_checks import check_arrays
@@ -37,10 +40,12 @@ def check_stages(program: OptimalControlProgram, args: Any) -> None:
     _check_first_stage(program, args, x.shape)
 
 
-def _check_first_stage(program: OptimalControlProgram, args: Any, shape: tuple[int, ...]) -> None:
-    u = jnp.zeros(program.control_size)
+@functools.cache
+def _evaluated(program: OptimalControlProgram) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """args -> everything at the first stage by name, as it is and compiled."""
 
-    def everything(args: Any) -> dict[str, Any]:
+    def everything(args: Any) -> dict[str, Array]:
+        u = jnp.zeros(program.control_size or 0)
         x = program.start(args)
         stage = jax.tree.map(lambda leaf: leaf[0], program.stages(args))
         return {
@@ -55,6 +60,11 @@ def _check_first_stage(program: OptimalControlProgram, args: Any, shape: tuple[i
             "final_inequality": program.final_inequalities(x, args),
         }
 
+    return everything, jax.jit(everything, compiler_options=RUNS_ONCE)
+
+
+def _check_first_stage(program: OptimalControlProgram, args: Any, shape: tuple[int, ...]) -> None:
+    evaluate, compiled = _evaluated(program)
     expected = {
         "dynamics": shape,
         "cost": (),
@@ -62,13 +72,14 @@ def _check_first_stage(program: OptimalControlProgram, args: Any, shape: tuple[i
         "difference": (program.error_size,),
         "retract": shape,
     }
-    shapes = {name: found.shape for name, found in jax.eval_shape(everything, args).items()}
-    for name, found in shapes.items():
-        fits = found == expected[name] if name in expected else len(found) == 1
+    for name, found in jax.eval_shape(evaluate, args).items():
+        fits = found.shape == expected[name] if name in expected else len(found.shape) == 1
         if not fits:
             wanted = expected.get(name, "(rows,)")
-            raise ValueError(f"{name} returns an array of shape {found}; {wanted} is expected")
-    for name, value in jax.jit(everything, compiler_options=RUNS_ONCE)(args).items():
+            raise ValueError(
+                f"{name} returns an array of shape {found.shape}; {wanted} is expected"
+            )
+    for name, value in compiled(args).items():
         if not np.isfinite(np.asarray(value)).all():
             raise ValueError(
                 f"{name} is {np.asarray(value)} at the first evaluation, of the first state with "

@@ -114,7 +114,8 @@ def _guess(
     if final is not None and not (final > 0.0).all():
         raise ValueError(f"final_time is {final_time!r}; positive numbers [s] are expected")
     if u is not None and layout is not None:
-        u = np.asarray(layout.scaled(jnp.asarray(u), args))
+        scaled = jax.vmap(layout.scaled, in_axes=(0, None))
+        u = np.asarray(scaled(jnp.asarray(u.reshape(-1, size)), args)).reshape(u.shape)
     return Guess(u, x, final)
 
 
@@ -212,10 +213,8 @@ def _answer(
         own, free = x[:, : layout.states], x[0, layout.states :][: layout.parameters]
         flat = jnp.zeros(u.shape[1])
         middle, high = (np.asarray(layout.controls(v, args)) for v in (flat, flat + 1.0))
-        u, per_control = (
-            np.asarray(jax.vmap(layout.controls, (0, None))(jnp.asarray(u), args)),
-            high - middle,
-        )
+        u = np.asarray(jax.vmap(layout.controls, in_axes=(0, None))(jnp.asarray(u), args))
+        per_control = high - middle
     dual = jax.tree.map(lambda leaf: leaf[best] / factor, found.dual)
     multipliers = ProgramMultipliers(
         found.equality[best] / factor,

@@ -5,6 +5,7 @@ All of it happens before anything is solved; what is wrong is named, with what w
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -61,34 +62,39 @@ def _rows(of: Continuous) -> dict[str, tuple[Any, tuple[int, ...] | None, bool]]
     return {name: row for name, row in every.items() if row[0] is not None}
 
 
+@functools.cache
+def _evaluated(of: Continuous) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """(y, v, p) -> values of all functions by name, and values and derivatives, compiled."""
+    rows = _rows(of)
+
+    def values(y: Array, v: Array, p: Any) -> dict[str, Array]:
+        extras, x = of.extras(y, jnp.zeros(()), p), y[: of.states]
+        u = of.unscaled(v, p)
+        return {
+            name: jnp.asarray(function(x, p, extras) if last else function(x, u, p, extras))
+            for name, (function, _, last) in rows.items()
+        }
+
+    def derived(y: Array, v: Array, p: Any) -> Any:
+        return values(y, v, p), jax.jacfwd(values, argnums=(0, 1))(y, v, p)
+
+    return values, jax.jit(derived, compiler_options=RUNS_ONCE)
+
+
 def _check_rows(of: Continuous, p: Any) -> None:
     """Shapes, and numbers, of all functions and their derivatives at the first state."""
     rows = _rows(of)
-    y = of.guess(p)
-    when = jnp.zeros(())
-
-    def evaluated(name: str, y: Array, v: Array, p: Any) -> Array:
-        function, _, last = rows[name]
-        extras = of.extras(y, when, p)
-        x = y[: of.states]
-        found = function(x, p, extras) if last else function(x, of.unscaled(v, p), p, extras)
-        return jnp.asarray(found)
-
-    v = jnp.zeros(of.controls)
-    for name, (_, expected, _) in rows.items():
-        shape = jax.eval_shape(lambda y, v, p, name=name: evaluated(name, y, v, p), y, v, p).shape
-        fits = len(shape) <= 1 if expected is None else shape == expected
+    y, v = of.guess(p), jnp.zeros(of.controls)
+    evaluate, derive = _evaluated(of)
+    for name, found in jax.eval_shape(evaluate, y, v, p).items():
+        expected = rows[name][1]
+        fits = len(found.shape) <= 1 if expected is None else found.shape == expected
         if not fits:
             wanted = "() or (rows,)" if expected is None else f"{expected}"
-            raise ValueError(f"{name} returns an array of shape {shape}; {wanted} is expected")
-
-    def everything(y: Array, v: Array, p: Any) -> dict[str, Array]:
-        return {name: evaluated(name, y, v, p) for name in rows}
-
-    def derived(y: Array, v: Array, p: Any) -> Any:
-        return everything(y, v, p), jax.jacfwd(everything, argnums=(0, 1))(y, v, p)
-
-    values, slopes = jax.jit(derived, compiler_options=RUNS_ONCE)(y, v, p)
+            raise ValueError(
+                f"{name} returns an array of shape {found.shape}; {wanted} is expected"
+            )
+    values, slopes = derive(y, v, p)
     where = f"x = {np.asarray(y[: of.states])}, u = {np.asarray(of.unscaled(v, p))}"
     for name in rows:
         value = np.asarray(values[name])
