@@ -15,6 +15,7 @@ from jaxatt.problems.hands_off.slew.model import SlewForm, fly_nodes, terminal_r
 from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
 from jaxatt.problems.hands_off.slew.response import response_rows, slew_response
 from jaxatt.problems.terminal_rows import RATE_SCALE
+from jaxatt.runtime.settings import RUNS_ONCE
 
 CASES = {
     "hypso1-90-45-15": SlewForm(),
@@ -48,10 +49,10 @@ def aimed_at_its_end(u, p, form):
     )
 
 
-exact = jax.jit(slew_response, static_argnums=2)
+exact = jax.jit(slew_response, static_argnums=2, compiler_options=RUNS_ONCE)
 
 
-@functools.partial(jax.jit, static_argnums=(4, 5))
+@functools.partial(jax.jit, static_argnums=(4, 5), compiler_options=RUNS_ONCE)
 def swept(u, weights, moved, p, form, accurate):
     """Everything that the equations have to say, with the derivatives row by row."""
     found = pulse_equations(u, weights, moved, jnp.asarray(accurate), p, form)
@@ -64,7 +65,8 @@ def test_the_derivatives_are_those_of_the_rows(name):
     form, u, p = prepared(name)
     rows, found = exact(u, p, form)
     np.testing.assert_allclose(rows, response_rows(u, p, form), atol=1e-14)
-    expected = jax.jit(jax.jacrev(response_rows), static_argnums=2)(u, p, form)
+    jacobian = jax.jit(jax.jacrev(response_rows), static_argnums=2, compiler_options=RUNS_ONCE)
+    expected = jacobian(u, p, form)
     np.testing.assert_allclose(found, np.swapaxes(expected, 0, 1), atol=1e-10)
 
 

@@ -19,6 +19,7 @@ from jaxatt.problems.hands_off.search.polish import POLISH, effort_arguments
 from jaxatt.problems.hands_off.slew.model import SlewForm, terminal_rows, wheel_speeds
 from jaxatt.problems.hands_off.slew.stages import slew_stages
 from jaxatt.problems.hands_off.sparse_stages import sparse_stages
+from jaxatt.runtime.settings import QUICK_TO_COMPILE, RUNS_ONCE
 
 
 @functools.cache
@@ -49,7 +50,7 @@ def test_stages_fly_as_the_roll_out_does(name, form, speed):
     args, u = task.arguments, jnp.asarray(some_torque(task))
     program = slew_stages(form, task.size)
 
-    @jax.jit
+    @functools.partial(jax.jit, compiler_options=RUNS_ONCE)
     def both(u):
         nodes, end = fly(program, u, args)
         stage = jax.tree.map(lambda leaf: leaf[7], program.stages(args))
@@ -83,7 +84,7 @@ def solver(system, size):
     loose = sparse_stages(system, size, True, limited=False)
     whole = sparse_stages(system, size, True)
 
-    @jax.jit
+    @functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
     def run(u, count, effort, settings):
         def one(u):
             limits = system.limits(count.plant)

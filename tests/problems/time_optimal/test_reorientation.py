@@ -15,6 +15,7 @@ from jaxatt.optimize.optimal_control import lagrangian_hessian, linearisation
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
+from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.free_body import BodyForm, FreeBody, step
 from jaxatt.spacecraft import create, reaction_wheels, thrusters
 
@@ -45,7 +46,7 @@ CASES = {
 }
 
 
-@functools.partial(jax.jit, static_argnames=("program",))
+@functools.partial(jax.jit, static_argnames=("program",), compiler_options=RUNS_ONCE)
 def derivatives(program, x, u, x_next, args, costate):
     share = jnp.ones(())
     return (
