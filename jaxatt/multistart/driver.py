@@ -128,6 +128,8 @@ def some_passes(
     nothing = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     found = lax.cond(jnp.any(ended), results, lambda _: nothing, states)
     found = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, axis, 0), found)
+    # A weak type would be another program for the next call.
+    states = jax.tree.map(lambda leaf: lax.convert_element_type(leaf, leaf.dtype), states)
     return states, found, running
 
 
@@ -198,13 +200,13 @@ def _state(solver: Solver, problem: Problem, starts: Any, args: Any) -> Any:
 
 
 def _empty(solver: Solver, state: Any, rows: int) -> Any:
-    """States of rows that are not running."""
+    """States of rows that are not running, on the device where those of the next call will be."""
 
     def batch(leaf: Any) -> Any:
         shape = (rows, *leaf.shape) if solver.batch_axis == 0 else (*leaf.shape, rows)
         return np.zeros(shape, leaf.dtype)
 
-    return jax.tree.map(batch, state)
+    return jax.device_put(jax.tree.map(batch, state), jax.local_devices()[0])
 
 
 def _fitting(rows: int, state: Any) -> int:

@@ -38,9 +38,10 @@ def lanes(task):
     return Lanes(starts.u, free, rows, starts.sign)
 
 
-def run(task, lanes, schedule=HOMOTOPY, **options):
+def run(task, lanes, schedule=HOMOTOPY, rows=64, **options):
     form = Form(task.system, task.shared, "sparse", task.size)
-    return run_starts(AugmentedLagrangian(schedule), form, lanes, task.arguments, **options)
+    solver = AugmentedLagrangian(schedule)
+    return run_starts(solver, form, lanes, task.arguments, rows=rows, **options)
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +96,7 @@ def test_starts_that_make_room_end_as_if_they_had_not(task, lanes):
 
 def test_progress_counts_every_lane_once(task, lanes):
     done = []
-    run(task, some(lanes, np.arange(70) % 12), progress=done.append, rows=64)
+    run(task, some(lanes, np.arange(70) % 12), progress=done.append)
     assert done[0] == 0 and sum(done) == 70
 
 
