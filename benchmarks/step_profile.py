@@ -20,9 +20,11 @@ import jax  # noqa: E402
 import jax.numpy as jnp  # noqa: E402
 
 from benchmarks.cases import task_of  # noqa: E402
-from jaxatt.optimize.reweighting.condensed import Reweighting  # noqa: E402
-from jaxatt.problems.hands_off.search.batch import broadcast_lanes, sparsify_lanes  # noqa: E402
-from jaxatt.problems.hands_off.search.polish import Method, count_arguments  # noqa: E402
+from jaxatt.multistart.driver import run_starts  # noqa: E402
+from jaxatt.optimize.reweighting.condensed import CondensedReweighting  # noqa: E402
+from jaxatt.optimize.reweighting.weights import Reweighting  # noqa: E402
+from jaxatt.problems.hands_off.search.batch import Form, broadcast_lanes  # noqa: E402
+from jaxatt.problems.hands_off.search.polish import count_arguments  # noqa: E402
 from jaxatt.problems.hands_off.search.starts import draw  # noqa: E402
 from jaxatt.problems.hands_off.slew.model import SlewForm, fly_nodes  # noqa: E402
 from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations  # noqa: E402
@@ -48,11 +50,12 @@ def main() -> None:
         return found.rows, found.matrix, found.pullback(found.reached)
 
     flown, swept = (jax.jit(jax.vmap(part, in_axes=-1, out_axes=-1)) for part in (end, linearised))
-    chosen, arguments = Method("l0").form(task), count_arguments(task)
+    chosen, arguments = Form(task.system, task.shared, "roots", task.size), count_arguments(task)
+    solver = CondensedReweighting(steps)
     parts = {
         "roll-out": lambda: flown(last),
         "one pass, linearised": lambda: swept(last),
-        "search": lambda: sparsify_lanes(chosen, lanes, arguments, steps, rows=rows),
+        "search": lambda: run_starts(solver, chosen, lanes, arguments, rows=rows),
     }
     least = dict.fromkeys(parts, float("inf"))
     for repeat in range(options.repeats + 1):

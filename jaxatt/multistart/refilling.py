@@ -21,8 +21,8 @@ from jaxatt.runtime.chunks import Progress, first_time, pool, workers
 Advance = Callable[[Any, Any, npt.NDArray[np.bool_]], tuple[Any, Any, Any]]
 """(lanes, states, fresh) -> (states, results, running).
 
-lanes : with a leading axis of rows; looked at where something is fresh.  states, results : with a
-trailing axis of rows.  fresh : (rows,), those whose state is to be made from their lane.
+lanes, results : with a leading axis of rows.  states : whatever the next call gets.
+fresh : (rows,), those whose state is to be made from their lane.
 running : (rows,), those that have not ended.
 """
 
@@ -84,12 +84,17 @@ class _Chunk:
         some = jax.tree.map(lambda leaf: leaf[self.index], lanes.lanes)
         self.states, results, running = self.advance(some, self.states, self.fresh)
         ended = self.busy & ~np.asarray(running)
+        if ended.any():
+            self.hand_in(lanes, ended, results)
+        return True
+
+    def hand_in(self, lanes: _Lanes, ended: npt.NDArray[np.bool_], results: Any) -> None:
+        """The results of rows that have ended, which are free again."""
         lanes.put(
             self.index[ended],
-            jax.tree.map(lambda leaf: np.moveaxis(np.asarray(leaf)[..., ended], -1, 0), results),
+            jax.tree.map(lambda leaf: np.asarray(leaf)[ended], results),
         )
         self.busy &= ~ended
-        return True
 
     def run(self, lanes: _Lanes) -> None:
         """Until no lane is left."""
@@ -104,6 +109,7 @@ def refilling(
     rows: int,
     progress: Progress | None = None,
     key: Hashable = None,
+    together: bool = True,
 ) -> Any:
     """Results of all lanes, a pytree with leading axis S, from `advance` until none is running.
 
@@ -111,9 +117,13 @@ def refilling(
     progress : called in turn by the threads that run the chunks.
     key : what `advance` compiles for; the first chunk of a new key runs alone, or every thread
     would compile it.
+    together : False where chunks cannot run side by side.
     """
     shared = _Lanes(lanes, progress)
-    chunks = [_Chunk(advance, empty, rows) for _ in range(workers())]
+    chunks = [
+        _Chunk(advance, empty, rows)
+        for _ in range(min(workers(), -(-shared.count // rows)) if together else 1)
+    ]
     if first_time(key, rows):
         chunks[0].step(shared)
     # A chunk stays with its thread, this one included: to wake one for every few passes takes time.

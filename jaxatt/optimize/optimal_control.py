@@ -1,7 +1,7 @@
 """What the solvers over stages see: a programme whose stages are tied by dynamics.
 
-A programme says what it has by the fields that it fills; `jaxatt.optimize.features` names them, so
-that a solver can refuse by name what it does not support.
+A programme says what it has by the fields that it fills; its `features` name them, so that a solver
+can refuse by name what it does not support.
 
 The state may live on a manifold.  Derivatives are taken in an error state of n coordinates around
 it, which `retract` and `difference` define; an attitude then has three of them and none of the
@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.optimize import features
 from jaxatt.runtime.arrays import Floats
 
 
@@ -137,6 +138,24 @@ class OptimalControlProgram:
     moved: Callable[[Array, Array, Any, Any], tuple[Array, Array]] | None = None
     flight: Callable[[Array, Array, Any, Any, int], Array] | None = None
     layout: Layout | None = None
+
+    @property
+    def features(self) -> frozenset[str]:
+        """What a solver has to support."""
+        asked = {
+            features.PATH_EQUALITY: self.equality is not None,
+            features.SOFT_PATH_ROWS: self.equality_weight is not None,
+            features.PATH_INEQUALITY: self.inequality is not None,
+            features.TERMINAL_EQUALITY: self.final_rows is not None,
+            features.SOFT_TERMINAL_ROWS: self.final_weight is not None,
+            features.TERMINAL_INEQUALITY: self.final_inequality is not None,
+            features.TERMINAL_COST: self.terminal_cost is not None,
+            features.CONTROL_BOUNDS: self.limits is not None,
+            features.HELD_CONTROLS: self.free is not None,
+            features.FREE_INITIAL_STATE: self.free_start > 0,
+            features.MANIFOLD: self.on_manifold,
+        }
+        return frozenset(name for name, there in asked.items() if there) | {features.DYNAMICS}
 
     @property
     def on_manifold(self) -> bool:

@@ -9,6 +9,8 @@ from typing import Any
 import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize import features
+
 
 def _no_rows(x: Array, args: Any) -> Array:
     return jnp.zeros((0,), x.dtype)
@@ -51,3 +53,17 @@ class Program:
     inequality: Callable[[Array, Any], Array] = _no_rows
     stage_inequality: Callable[[Array, Any], Array] = _no_stage_rows
     free: Callable[[Array, Any], Array] = _all_free
+
+    @property
+    def features(self) -> frozenset[str]:
+        """What a solver has to support."""
+        asked = {
+            features.EQUALITY: self.equality is not _no_rows,
+            features.SOFT_ROWS: self.equality_weight is not _all_hard,
+            features.INEQUALITY: self.inequality is not _no_rows,
+            features.STAGE_INEQUALITY: self.stage_inequality is not _no_stage_rows,
+            features.HELD_VARIABLES: self.free is not _all_free,
+        }
+        return frozenset(name for name, there in asked.items() if there) | {
+            features.WITHOUT_DYNAMICS
+        }

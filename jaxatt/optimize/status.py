@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+RUNNING = -1
+"""In place of a status, of a start that has not ended."""
+
 
 class Status(IntEnum):
     """Outcome of one start.

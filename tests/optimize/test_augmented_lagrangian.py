@@ -10,9 +10,11 @@ import pytest
 import scipy.optimize
 from jax import Array
 
-from jaxatt.optimize.augmented_lagrangian.inner import NAMES, inner_minimiser
-from jaxatt.optimize.augmented_lagrangian.solver import Schedule, solve
+from jaxatt.optimize.augmented_lagrangian.inner import NAMES
+from jaxatt.optimize.augmented_lagrangian.outer import Schedule
+from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
 from jaxatt.optimize.program import Program
+from jaxatt.optimize.solver import solve
 from jaxatt.optimize.status import Status
 
 STAGES, SIZE, LANES = 6, 2, 32
@@ -85,7 +87,7 @@ def draw(rng):
 
 @functools.partial(jax.jit, static_argnames="inner")
 def solve_all(x, problems, schedule, inner):
-    one = lambda x, q: solve(QP, x, q, schedule, inner_minimiser(inner))  # noqa: E731
+    one = lambda x, q: solve(AugmentedLagrangian(schedule, inner), QP, x, q)  # noqa: E731
     return jax.vmap(one)(x, problems)
 
 
@@ -211,14 +213,14 @@ FLOOR = Program(
 
 def test_converged_means_complementary_too():
     schedule = Schedule(max_inner=1, smoothing_start=1e-4, penalty=10.0, stage_penalty=10.0)
-    found = solve(FLOOR, jnp.full((1, 1), 5.0), None, schedule, inner_minimiser("gauss-newton"))
+    found = solve(AugmentedLagrangian(schedule), FLOOR, jnp.full((1, 1), 5.0), None)
     if int(found.status) == Status.CONVERGED:
         np.testing.assert_allclose(found.x, 1.0, atol=1e-5)
 
 
 @pytest.mark.parametrize("begin", [5.0, 1.0, 0.0, -5.0])
 def test_a_floor_is_found_from_both_sides_with_the_default_schedule(begin):
-    found = solve(FLOOR, jnp.full((1, 1), begin), None, Schedule(), inner_minimiser("gauss-newton"))
+    found = solve(AugmentedLagrangian(Schedule()), FLOOR, jnp.full((1, 1), begin), None)
     assert int(found.status) == Status.CONVERGED
     np.testing.assert_allclose(found.x, 1.0, atol=1e-6)
 
@@ -379,7 +381,7 @@ def test_nearest_point_of_a_circle():
 
     @jax.jit
     def run_all(x, a):
-        one = lambda x, a: solve(CIRCLE, x, a, schedule, inner_minimiser("gauss-newton"))  # noqa: E731
+        one = lambda x, a: solve(AugmentedLagrangian(schedule), CIRCLE, x, a)  # noqa: E731
         return jax.vmap(one)(x, a)
 
     found = jax.tree.map(np.asarray, run_all(jnp.asarray(x), jnp.asarray(a)))
@@ -425,7 +427,7 @@ def test_relaxed_complementarity_with_its_own_variables():
 
     @jax.jit
     def run_all(x):
-        one = lambda x: solve(RELAXED, x, budget, schedule, inner_minimiser("gauss-newton"))  # noqa: E731
+        one = lambda x: solve(AugmentedLagrangian(schedule), RELAXED, x, budget)  # noqa: E731
         return jax.vmap(one)(x)
 
     found = jax.tree.map(np.asarray, run_all(jnp.asarray(x)))

@@ -1,11 +1,14 @@
 """The quadratic programme between bounds against an independent solver; roots of linear rows."""
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
-from jaxatt.optimize.reweighting.bounded import BoundedReweighting, bounded_step, sparsify_bounded
+from jaxatt.optimize.reweighting.bounded import BoundedReweighting, bounded_step
+from jaxatt.optimize.root_program import RootProgram
+from jaxatt.optimize.solver import solve
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -15,15 +18,15 @@ def test_step_agrees_with_bounded_least_squares(seed: int) -> None:
     lower, upper = np.where(rng.uniform(size=15) < 0.5, 0.0, -1.0), np.ones(15)
     d, slack = rng.uniform(0.1, 3.0, 15), rng.uniform(0.01, 0.1, 4)
     v, _ = bounded_step(
-        *(jnp.asarray(part)[None] for part in (jacobian, target, d, lower, upper, slack)),
-        jnp.zeros((1, 4)),
+        *(jnp.asarray(part) for part in (jacobian, target, d, lower, upper, slack)),
+        jnp.zeros(4),
         60,
     )
     stacked = np.concatenate([jacobian / np.sqrt(slack)[:, None], np.diag(1.0 / np.sqrt(d))])
     wanted = lsq_linear(
         stacked, np.concatenate([target / np.sqrt(slack), np.zeros(15)]), (lower, upper), tol=1e-14
     )
-    np.testing.assert_allclose(v[0], wanted.x, atol=1e-5)
+    np.testing.assert_allclose(v, wanted.x, atol=1e-5)
 
 
 @pytest.mark.parametrize("kind", ["feasible", "out of reach", "not a number"])
@@ -34,22 +37,18 @@ def test_bounds_hold_whatever_the_rows(kind: str) -> None:
     inside = jnp.asarray(rng.uniform(0.0, 1.0, (10, 2)))
     wanted = jnp.einsum("ikc,kc->i", weights, inside) * size / 0.3
 
-    def response(u):
-        rows = jnp.einsum("ikc,skc->si", weights, u) - wanted[None]
-        return rows, jnp.broadcast_to(weights[None], (len(u), *weights.shape))
-
-    ones = jnp.ones((4, 10, 2))
-    start = jnp.asarray(rng.uniform(size=(4, 10, 2)))
-    found = sparsify_bounded(
-        response,
-        jnp.zeros((10, 2)),
-        ones[0],
-        start,
-        ones,
-        jnp.ones(10),
-        jnp.full((4, 3), jnp.inf),
-        BoundedReweighting(),
+    program = RootProgram(
+        free=lambda args: jnp.ones((10, 2)),
+        importance=lambda args: jnp.ones(10),
+        row_weight=lambda args: jnp.full(3, jnp.inf),
+        response=lambda u, args: (
+            jnp.einsum("ikc,kc->i", weights, u) - wanted,
+            jnp.swapaxes(weights, 0, 1),
+        ),
+        bounds=lambda args: (jnp.zeros((10, 2)), jnp.ones((10, 2))),
     )
+    start = jnp.asarray(rng.uniform(size=(4, 10, 2)))
+    found = jax.vmap(lambda u: solve(BoundedReweighting(), program, u, None))(start)
     known = np.nan_to_num(np.asarray(found.u))
     assert (known >= 0.0).all() and (known <= 1.0).all()
     if kind == "feasible":

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.augmented_lagrangian.solver import Schedule
-from jaxatt.optimize.least_effort.primal_dual import least_effort
+from jaxatt.optimize.augmented_lagrangian.outer import Schedule
+from jaxatt.optimize.least_effort.primal_dual import LeastEffort
+from jaxatt.optimize.root_program import RootProgram
+from jaxatt.optimize.solver import solve
 from jaxatt.optimize.status import Status
 
 ROWS, STAGES, SIZE = 4, 6, 2
@@ -29,8 +31,17 @@ def run(matrix, target, u, free, row_weight, bent):
     def response(u):
         return rows(u), jnp.swapaxes(jax.jacrev(rows)(u), 0, 1)
 
-    eye, scale = jnp.eye(SIZE), jnp.asarray(1.0)
-    return least_effort(response, LIMITS, eye, u, free, row_weight, scale, SCHEDULE)
+    program = RootProgram(
+        free=lambda args: free,
+        importance=lambda args: jnp.ones(STAGES),
+        row_weight=lambda args: row_weight,
+        response=lambda u, args: response(u),
+        limits=lambda args: jnp.asarray(LIMITS),
+        effort_map=lambda args: jnp.eye(SIZE),
+        effort_scale=lambda args: jnp.asarray(1.0),
+        shared=False,
+    )
+    return solve(LeastEffort(SCHEDULE), program, u, None)
 
 
 def problems(seed, count, size):

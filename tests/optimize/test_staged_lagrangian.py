@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.augmented_lagrangian.solver import Schedule
+from jaxatt.optimize.augmented_lagrangian.outer import Schedule
 from jaxatt.optimize.optimal_control import OptimalControlProgram, fly, least_squares
-from jaxatt.optimize.riccati.lagrangian import solve_stages
+from jaxatt.optimize.riccati.lagrangian import RiccatiLagrangian
+from jaxatt.optimize.solver import solve
 from jaxatt.optimize.status import Status
 
 SCHEDULE = Schedule(
@@ -88,7 +89,7 @@ def solver(dynamics):
     """Lanes last: controls (N, b, S), arguments (4, S)."""
     return jax.jit(
         lambda u, args, schedule: jax.vmap(
-            lambda u, a: solve_stages(program(dynamics), u, a, schedule),
+            lambda u, a: solve(RiccatiLagrangian(schedule), program(dynamics), u, a),
             in_axes=-1,
             out_axes=-1,
         )(u, args)

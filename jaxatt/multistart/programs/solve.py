@@ -20,11 +20,12 @@ from jaxatt.multistart.programs.solution import (
 )
 from jaxatt.multistart.programs.starts import Guess, draw_starts, limits_along, typical_cost
 from jaxatt.optimize.dense.inputs import check_precision
-from jaxatt.optimize.features import refuse
+from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings
 from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.scaled_objective import Scaled, scaled_objective
+from jaxatt.optimize.solver import refuse
 from jaxatt.optimize.stage_checks import check_stages
 from jaxatt.optimize.status import Status
 from jaxatt.runtime.arrays import Floats
@@ -32,7 +33,6 @@ from jaxatt.runtime.chunks import Progress
 from jaxatt.runtime.clock import compile_seconds
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 
-_SOLVER = "interior point"
 _USUAL = (0.1, 1000.0)
 """Sizes of an objective that the solver's settings fit; others are scaled."""
 _SAME = 1e-6
@@ -78,7 +78,7 @@ def solve_program(
             raise ValueError(f"{name} is {value!r}; a whole number from 1 on is expected")
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance is {tolerance!r}; a number between 0 and 1 is expected")
-    refuse(program, _SOLVER)
+    refuse(InteriorPoint(InteriorSettings()), program)
     compiled, began = compile_seconds(), time.perf_counter()
     check_stages(program, parameters)
     args = jax.tree.map(jnp.asarray, parameters)

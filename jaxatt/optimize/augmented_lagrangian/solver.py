@@ -1,57 +1,39 @@
-"""Augmented Lagrangian for one start; `jax.vmap` makes it many.
+"""Augmented Lagrangian of a programme without dynamics, from one start.
 
 The loop is flat: every pass evaluates the constraints and derivatives once, decides whether the
 inner minimisation has ended (then multipliers, penalty and smoothing are updated on the spot) and
-takes one inner step.  Under `vmap` no start therefore waits for another's inner loop, only for the
-last start to end.
+takes one inner step.  In a batch no start therefore waits for another's inner loop.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import optax
-from jax import Array, lax
+from jax import Array
 
+from jaxatt.optimize import features
 from jaxatt.optimize.augmented_lagrangian.gauss_newton import LocalModel
+from jaxatt.optimize.augmented_lagrangian.inner import inner_minimiser
+from jaxatt.optimize.augmented_lagrangian.outer import (
+    History,
+    Schedule,
+    Seen,
+    Terms,
+    decide,
+    done,
+    final_status,
+    first_history,
+    first_terms,
+)
 from jaxatt.optimize.augmented_lagrangian.penalty import equality_cost, inequality_cost, pushed
 from jaxatt.optimize.program import Program
-from jaxatt.optimize.status import Status
-
-
-@jax.tree_util.register_dataclass
-@dataclass(frozen=True)
-class Schedule:
-    """Settings of a solve; all are traced, so changing one does not recompile.
-
-    tolerance : on constraint violation.
-    stationarity : on the scaled norm of the Lagrangian's gradient, and on complementary slackness.
-    penalty, penalty_growth, penalty_limit : penalty of the constraints, its growth where the
-        violation does not shrink, and its ceiling.
-    stage_penalty : initial penalty of the stage inequalities.
-    smoothing_start, smoothing_end, smoothing_factor : continuation of the objective's smoothing;
-        it shrinks whenever an inner minimisation ends.
-    max_inner : steps after which an inner minimisation ends in any case.
-    max_iterations : total number of inner steps.
-    update_multipliers : 0 for a pure penalty method, as a homotopy wants it; 1 otherwise.
-    """
-
-    tolerance: float = 1e-9
-    stationarity: float = 1e-6
-    penalty: float = 1e4
-    penalty_growth: float = 10.0
-    penalty_limit: float = 1e8
-    stage_penalty: float = 1e2
-    smoothing_start: float = 0.1
-    smoothing_end: float = 1e-4
-    smoothing_factor: float = 0.3
-    max_inner: int = 6
-    max_iterations: int = 60
-    update_multipliers: float = 1.0
+from jaxatt.optimize.solution import Solution
+from jaxatt.optimize.solver import Solver
+from jaxatt.optimize.status import RUNNING
 
 
 class Multipliers(NamedTuple):
@@ -62,57 +44,19 @@ class Multipliers(NamedTuple):
     stage: Array
 
 
-class Solution(NamedTuple):
-    """Where a start ended.
-
-    x : (N, b).  objective : () at the final smoothing.  status : () a `Status`.
-    violation : () largest constraint violation at x.  stationarity : () scaled norm of the
-    Lagrangian's gradient where it was last evaluated (at x if the status is CONVERGED).
-    multipliers : those whose stationarity was tested.  iterations : () inner steps taken.
-    """
-
-    x: Array
-    objective: Array
-    status: Array
-    violation: Array
-    stationarity: Array
-    multipliers: Multipliers
-    iterations: Array
-
-
 class _Values(NamedTuple):
     equality: Array
     inequality: Array
     stage: Array
 
 
-class _Terms(NamedTuple):
-    """What makes the augmented Lagrangian of an inner minimisation."""
-
-    multipliers: Multipliers
-    penalty: Array
-    stage_penalty: Array
-    smoothing: Array
-
-
 class _State(NamedTuple):
     x: Array
     inner_state: Any
-    terms: _Terms
+    terms: Terms
     inner_steps: Array
-    best_violation: Array
-    stalls: Array
     stationarity: Array
-    status: Array
-    iterations: Array
-
-
-_RUNNING = -1
-LARGE_MULTIPLIER = 100.0
-_LOOSE_STATIONARITY = 1e-2
-_SHRINKS_WELL = 0.25
-_SHRINKS = 0.9
-_MOST_STALLS = 5
+    history: History
 
 
 def _largest(values: Array) -> Array:
@@ -141,7 +85,7 @@ def _equality_penalty(program: Program, x: Array, args: Any, penalty: Array, row
     return jnp.where(jnp.isinf(weight), penalty, weight)
 
 
-def _merit(program: Program, x: Array, args: Any, values: _Values, terms: _Terms) -> Array:
+def _merit(program: Program, x: Array, args: Any, values: _Values, terms: Terms) -> Array:
     """Augmented Lagrangian (Powell, Hestenes, Rockafellar form) at evaluated constraints."""
     multipliers, penalty, stage_penalty, smoothing = terms
     weight = _equality_penalty(program, x, args, penalty, values.equality)
@@ -174,30 +118,53 @@ def _stage_jacobian(program: Program, x: Array, args: Any) -> tuple[Array, Array
     return values, jnp.stack(columns, axis=-1)
 
 
-def solve(
-    program: Program,
-    x0: Array,
-    args: Any,
-    schedule: Schedule,
-    inner: optax.GradientTransformationExtraArgs,
-) -> Solution:
-    """Minimise a `Program` from one start.
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class AugmentedLagrangian(Solver):
+    """Augmented Lagrangian of a `Program`; a start is x, (N, b).
 
-    x0 : (N, b).  args : pytree handed to the program's functions.
-    inner : optax transformation for the inner minimisation; one that takes the keyword `model`
-    (see `gauss_newton`) gets the local curvature, others are called as optax calls them.
-
-    Nothing raises inside; the outcome is in `Solution.status`.
+    inner : name of the inner minimiser, see `inner_minimiser`.
     """
-    x0 = x0 * 1.0
-    dtype = x0.dtype
-    empty = jax.eval_shape(lambda x: _evaluate(program, x, args), x0)
-    zeros = Multipliers(*(jnp.zeros(leaf.shape, dtype) for leaf in empty))
 
-    def as_array(value: float) -> Array:
-        return jnp.asarray(value, dtype)
+    schedule: Schedule
+    inner: str = field(default="gauss-newton", metadata={"static": True})
 
-    def body(state: _State) -> _State:
+    name = "augmented Lagrangian"
+    supports = frozenset(
+        {
+            features.WITHOUT_DYNAMICS,
+            features.EQUALITY,
+            features.SOFT_ROWS,
+            features.INEQUALITY,
+            features.STAGE_INEQUALITY,
+            features.HELD_VARIABLES,
+        }
+    )
+    needs = frozenset({features.WITHOUT_DYNAMICS})
+    calls_lapack = True
+    batch_axis = 0
+    passes = 8
+
+    def init(self, program: Program, start: Array, args: Any) -> _State:
+        """Without multipliers."""
+        x, dtype = start * 1.0, start.dtype
+        empty = jax.eval_shape(lambda x: _evaluate(program, x, args), x)
+        return _State(
+            x,
+            inner_minimiser(self.inner).init(x),
+            first_terms(
+                self.schedule,
+                Multipliers(*(jnp.zeros(leaf.shape, dtype) for leaf in empty)),
+                dtype,
+            ),
+            jnp.asarray(0),
+            jnp.asarray(jnp.inf, dtype),
+            first_history(dtype),
+        )
+
+    def step(self, program: Program, state: _State, args: Any) -> _State:
+        """An update of the multipliers, where it is time for one, and an inner step."""
+        schedule, inner = self.schedule, inner_minimiser(self.inner)
         x = state.x
         equality, equality_rows = _jacobian(lambda y: program.equality(y, args), x)
         inequality, inequality_rows = _jacobian(lambda y: program.inequality(y, args), x)
@@ -206,7 +173,7 @@ def solve(
         free = program.free(x, args)
         violation = _violation(program, x, args, values)
 
-        def estimate(terms: _Terms) -> tuple[Multipliers, Array]:
+        def estimate(terms: Terms) -> tuple[Multipliers, Array]:
             """First-order multiplier estimate and the gradient of the augmented Lagrangian."""
             weight = _equality_penalty(program, x, args, terms.penalty, equality)
             estimates = Multipliers(
@@ -222,54 +189,21 @@ def solve(
             )
             return estimates, gradient * free
 
-        # Has the inner minimisation ended, has the whole solve?
         terms = state.terms
         estimates, gradient = estimate(terms)
         largest = jnp.maximum(
             _largest(estimates.equality),
             jnp.maximum(_largest(estimates.inequality), _largest(estimates.stage)),
         )
-        stationarity = _largest(gradient) / jnp.maximum(1.0, largest / LARGE_MULTIPLIER)
-        final = terms.smoothing <= schedule.smoothing_end * (1.0 + 1e-9)
-        loose = jnp.maximum(schedule.stationarity, _LOOSE_STATIONARITY)
-        inner_minimum = stationarity <= jnp.where(final, schedule.stationarity, loose)
-        ended = inner_minimum | (state.inner_steps >= schedule.max_inner)
-        feasible = violation <= schedule.tolerance
-        finite = jnp.isfinite(violation) & jnp.isfinite(stationarity)
         slackness = jnp.maximum(
             _largest(jnp.minimum(jnp.maximum(inequality, 0.0), estimates.inequality)),
             _largest(jnp.minimum(jnp.maximum(stage, 0.0), estimates.stage)),
         )
-        optimal = jnp.maximum(stationarity, slackness) <= schedule.stationarity
-        converged = final & feasible & optimal
-        update = ended & (schedule.update_multipliers > 0)
-        stalled = update & ~feasible & (violation > _SHRINKS * state.best_violation)
-        stalls = state.stalls + jnp.where(stalled, 1, 0)
-        status = jnp.where(
-            ~finite,
-            Status.NOT_FINITE,
-            jnp.where(
-                converged,
-                Status.CONVERGED,
-                jnp.where(stalls >= _MOST_STALLS, Status.INFEASIBLE, _RUNNING),
-            ),
-        )
-
-        # If it has: new multipliers, penalty and smoothing, on the spot.
+        seen = Seen(violation, _largest(gradient), slackness, largest)
         hard = jnp.isinf(jnp.broadcast_to(program.equality_weight(x, args), equality.shape))
         fresh = estimates._replace(equality=jnp.where(hard, estimates.equality, 0.0))
-        shrunk = feasible | (violation <= _SHRINKS_WELL * state.best_violation)
-        growth = jnp.where(update & ~shrunk, schedule.penalty_growth, 1.0)
-        terms = _Terms(
-            jax.tree.map(lambda new, old: jnp.where(update, new, old), fresh, terms.multipliers),
-            jnp.minimum(terms.penalty * growth, schedule.penalty_limit),
-            jnp.minimum(terms.stage_penalty * growth, schedule.penalty_limit),
-            jnp.where(
-                ended,
-                jnp.maximum(schedule.smoothing_end, terms.smoothing * schedule.smoothing_factor),
-                terms.smoothing,
-            ),
-        )
+        over = state.inner_steps >= schedule.max_inner
+        ended, terms, history = decide(schedule, terms, state.history, seen, fresh, over)
 
         # One step of the inner minimisation.
         estimates, gradient = estimate(terms)
@@ -300,48 +234,31 @@ def solve(
             inner_state,
             terms,
             jnp.where(ended, 1, state.inner_steps + 1),
-            jnp.where(ended, jnp.minimum(state.best_violation, violation), state.best_violation),
-            stalls,
-            stationarity,
-            status,
-            state.iterations + 1,
+            seen.stationarity,
+            history,
         )
         held = state._replace(
-            status=status,
-            stationarity=stationarity,
+            stationarity=seen.stationarity,
             terms=state.terms._replace(multipliers=fresh),
+            history=state.history._replace(status=history.status),
         )
-        return jax.tree.map(lambda new, old: jnp.where(status == _RUNNING, new, old), moved, held)
+        going = history.status == RUNNING
+        return jax.tree.map(lambda new, old: jnp.where(going, new, old), moved, held)
 
-    def running(state: _State) -> Array:
-        return (state.status == _RUNNING) & (state.iterations < schedule.max_iterations)
+    def done(self, state: _State) -> Array:
+        """Converged, given up or out of passes."""
+        return done(self.schedule, state.history)
 
-    start = _State(
-        x0,
-        inner.init(x0),
-        _Terms(
-            zeros,
-            as_array(schedule.penalty),
-            as_array(schedule.stage_penalty),
-            as_array(schedule.smoothing_start),
-        ),
-        jnp.asarray(0),
-        as_array(jnp.inf),
-        jnp.asarray(0),
-        as_array(jnp.inf),
-        jnp.asarray(_RUNNING),
-        jnp.asarray(0),
-    )
-    end = lax.while_loop(running, body, start)
-    violation = _violation(program, end.x, args, _evaluate(program, end.x, args))
-    unfinished = jnp.where(violation <= schedule.tolerance, Status.FEASIBLE, Status.ITERATION_LIMIT)
-    status = jnp.where(end.status == _RUNNING, unfinished, end.status)
-    return Solution(
-        end.x,
-        program.objective(end.x, args, as_array(schedule.smoothing_end)),
-        status,
-        violation,
-        end.stationarity,
-        end.terms.multipliers,
-        end.iterations,
-    )
+    def result(self, program: Program, state: _State, args: Any) -> Solution:
+        """Constraints are evaluated at the point that is returned."""
+        x, schedule = state.x, self.schedule
+        violation = _violation(program, x, args, _evaluate(program, x, args))
+        return Solution(
+            x,
+            program.objective(x, args, jnp.asarray(schedule.smoothing_end, x.dtype)),
+            final_status(schedule, state.history.status, violation),
+            violation,
+            state.stationarity,
+            state.terms.multipliers,
+            state.history.iterations,
+        )

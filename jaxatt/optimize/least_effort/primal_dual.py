@@ -15,23 +15,22 @@ image restoration"; Nocedal and Wright (2006), chapter 19.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
-from jaxatt.optimize.augmented_lagrangian.solver import (
-    LARGE_MULTIPLIER,
-    Multipliers,
-    Schedule,
-    Solution,
-)
-from jaxatt.optimize.reweighting.equations import Response
+from jaxatt.optimize import features
+from jaxatt.optimize.augmented_lagrangian.outer import LARGE_MULTIPLIER, Schedule
+from jaxatt.optimize.augmented_lagrangian.solver import Multipliers
+from jaxatt.optimize.root_program import RootProgram
 from jaxatt.optimize.small_systems import invert_spd_blocks, solve_spd
-from jaxatt.optimize.status import Status
+from jaxatt.optimize.solution import Solution
+from jaxatt.optimize.solver import Solver
+from jaxatt.optimize.status import RUNNING, Status
 
-_RUNNING = -1
 _INSIDE = 0.95
 _TO_BOUNDARY = 0.995
 _BARRIER = 1e-2
@@ -68,35 +67,64 @@ def _longest(value: Array, step: Array) -> Array:
     return jnp.minimum(1.0, jnp.min(ratio, initial=1.0))
 
 
-def least_effort(
-    response: Response,
-    limits: Array,
-    effort_map: Array,
-    u: Array,
-    free: Array,
-    row_weight: Array,
-    effort_scale: Array,
-    schedule: Schedule,
-) -> Solution:
-    """Minimise from one start; `jax.vmap` makes it many.
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class LeastEffort(Solver):
+    """Least effort of a `RootProgram`; a start is its controls, (N, b), near a root of the rows.
 
-    limits : (n, b), rows l.  effort_map : (q, b), E.  effort_scale : (), e.
-    u : (N, b), near a root of the rows.  free : (N, b), 1 where control is allowed.
-    row_weight : (m,), inf for hard rows, w for soft ones.
-    schedule : its tolerances, smoothing and largest number of iterations.
+    schedule : its tolerances, smoothing and largest number of iterations are used.
 
-    Nothing raises inside; the outcome is in `Solution.status`.  CONVERGED is tested at the point
-    that is returned, with the smoothing's end and the exact derivatives.
+    CONVERGED is tested at the point that is returned, with the smoothing's end and the exact
+    derivatives.
     """
-    dtype, size = u.dtype, u.shape[1]
-    faces = jnp.concatenate([limits, -limits])
-    hard = jnp.isinf(row_weight)
-    compliance = jnp.where(hard, 0.0, 1.0 / row_weight)
-    eye = jnp.eye(size, dtype=dtype)[None]
-    fixed = eye * (1.0 - free)[:, :, None]
 
-    def body(state: _State) -> _State:
-        rows, jacobian = response(state.u)
+    schedule: Schedule
+
+    name = "least effort"
+    supports = frozenset({features.ROWS_AT_ONCE, features.MAGNITUDE_LIMITS, features.COUNTED_APART})
+    needs = frozenset({features.ROWS_AT_ONCE, features.MAGNITUDE_LIMITS})
+    batch_axis = 0
+    passes = 8
+
+    def init(self, program: RootProgram, start: Array, args: Any) -> _State:
+        """Within the limits."""
+        limits, effort_map, effort_scale = _effort(program, args)
+        faces = jnp.concatenate([limits, -limits])
+        u, dtype = start * program.free(args), start.dtype
+        over = jnp.max(jnp.abs(u @ limits.T), axis=1, keepdims=True)
+        u = u / jnp.maximum(1.0, over / _INSIDE)
+        parts = u @ effort_map.T
+        smoothing = jnp.asarray(self.schedule.smoothing_start, dtype)
+        barrier = jnp.asarray(_BARRIER, dtype) * effort_scale
+        infinite = jnp.asarray(jnp.inf, dtype)
+        return _State(
+            u,
+            0.9 * parts / jnp.sqrt(parts**2 + smoothing**2),
+            jnp.zeros(program.row_weight(args).shape, dtype),
+            barrier / (1.0 - u @ faces.T),
+            smoothing,
+            barrier,
+            jnp.asarray(RUNNING),
+            jnp.asarray(0),
+            infinite,
+            infinite,
+            infinite,
+            jnp.asarray(0),
+        )
+
+    def step(self, program: RootProgram, state: _State, args: Any) -> _State:
+        """A Newton step on the conditions for a minimum behind the barrier."""
+        limits, effort_map, effort_scale = _effort(program, args)
+        schedule, free, row_weight = self.schedule, program.free(args), program.row_weight(args)
+        dtype, size = state.u.dtype, state.u.shape[1]
+        faces = jnp.concatenate([limits, -limits])
+        hard = jnp.isinf(row_weight)
+        compliance = jnp.where(hard, 0.0, 1.0 / row_weight)
+        eye = jnp.eye(size, dtype=dtype)[None]
+        fixed = eye * (1.0 - free)[:, :, None]
+
+        assert program.response is not None
+        rows, jacobian = program.response(state.u, args)
         jacobian = jacobian * free[:, None]
         room = 1.0 - state.u @ faces.T
         parts = state.u @ effort_map.T
@@ -124,7 +152,7 @@ def least_effort(
         status = jnp.where(
             ~finite,
             Status.NOT_FINITE,
-            jnp.where(converged, Status.CONVERGED, jnp.where(last, unfinished, _RUNNING)),
+            jnp.where(converged, Status.CONVERGED, jnp.where(last, unfinished, RUNNING)),
         )
 
         bent = 1.0 - state.sign * parts / length
@@ -177,40 +205,30 @@ def least_effort(
             stalls,
         )
         ended = state._replace(status=status, stationarity=stationarity, violation=violation)
-        return jax.tree.map(lambda new, old: jnp.where(status == _RUNNING, new, old), moved, ended)
+        return jax.tree.map(lambda new, old: jnp.where(status == RUNNING, new, old), moved, ended)
 
-    start = u * free
-    over = jnp.max(jnp.abs(start @ limits.T), axis=1, keepdims=True)
-    start = start / jnp.maximum(1.0, over / _INSIDE)
-    parts = start @ effort_map.T
-    smoothing = jnp.asarray(schedule.smoothing_start, dtype)
-    barrier = jnp.asarray(_BARRIER, dtype) * effort_scale
-    infinite = jnp.asarray(jnp.inf, dtype)
-    end = lax.while_loop(
-        lambda state: state.status == _RUNNING,
-        body,
-        _State(
-            start,
-            0.9 * parts / jnp.sqrt(parts**2 + smoothing**2),
-            jnp.zeros(row_weight.shape, dtype),
-            barrier / (1.0 - start @ faces.T),
-            smoothing,
-            barrier,
-            jnp.asarray(_RUNNING),
-            jnp.asarray(0),
-            infinite,
-            infinite,
-            infinite,
-            jnp.asarray(0),
-        ),
-    )
-    effort = jnp.sqrt((end.u @ effort_map.T) ** 2 + schedule.smoothing_end**2)
-    return Solution(
-        end.u,
-        effort_scale * jnp.sum(effort - schedule.smoothing_end),
-        end.status,
-        end.violation,
-        end.stationarity,
-        Multipliers(end.rows, jnp.zeros((0,), dtype), end.limits),
-        end.iterations,
-    )
+    def done(self, state: _State) -> Array:
+        """Converged or given up."""
+        return state.status != RUNNING
+
+    def result(self, program: RootProgram, state: _State, args: Any) -> Solution:
+        """The effort is the one with the last smoothing."""
+        _, effort_map, effort_scale = _effort(program, args)
+        smoothing = self.schedule.smoothing_end
+        effort = jnp.sqrt((state.u @ effort_map.T) ** 2 + smoothing**2)
+        return Solution(
+            state.u,
+            effort_scale * jnp.sum(effort - smoothing),
+            state.status,
+            state.violation,
+            state.stationarity,
+            Multipliers(state.rows, jnp.zeros((0,), state.u.dtype), state.limits),
+            state.iterations,
+        )
+
+
+def _effort(program: RootProgram, args: Any) -> tuple[Array, Array, Array]:
+    """Limits (l, b), map (q, b) and scale () of the effort."""
+    assert program.limits is not None
+    assert program.effort_map is not None and program.effort_scale is not None
+    return program.limits(args), program.effort_map(args), program.effort_scale(args)

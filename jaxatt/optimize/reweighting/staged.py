@@ -1,8 +1,6 @@
-"""Sparse controls by reweighting, with Riccati steps: for path constraints and large momentum.
+"""Reweighting with Riccati steps: for path constraints and large momentum.
 
-As `reweighting`, whose weights and settings these are: every step minimises sum |u|^2 / d for
-weights d that come from the last iterate, until the support has decided itself and is frozen.  But
-the rows are weighted so heavily that they vanish instead of being eliminated, which keeps the
+The rows are weighted so heavily that they vanish instead of being eliminated, which keeps the
 problem one of stages, and the dynamics are flown under the feedback law of each step.
 
 Controls over their limit are put on it and kept there for the next step.  Path constraints enter
@@ -18,8 +16,16 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.optimize import features
 from jaxatt.optimize.optimal_control import OptimalControlProgram, fly
-from jaxatt.optimize.reweighting.condensed import SUPPORT_THRESHOLD, Reweighting, SparseRoot
+from jaxatt.optimize.reweighting.weights import (
+    Course,
+    Reweighting,
+    SparseRoot,
+    begin,
+    done,
+    weigh,
+)
 from jaxatt.optimize.riccati.penalty import (
     Rows,
     differentiated,
@@ -35,89 +41,120 @@ from jaxatt.optimize.riccati.recursion import (
     derivatives_along,
     fly_with_feedback,
 )
+from jaxatt.optimize.root_program import RootProgram
+from jaxatt.optimize.solver import Solver
+
+
+class _State(NamedTuple):
+    course: Course
+    flown: Trajectory
+    held: Array
+    path: Array
+    final: Array
+    residual: Array
+
+
+class _Laws(NamedTuple):
+    """gains : (N, b, n + 1).  path, final : new multipliers.  worst : () largest violation."""
+
+    gains: Array
+    path: Array
+    final: Array
+    worst: Array
 
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
-class StagedReweighting:
-    """Settings; all are traced.
+class StagedReweighting(Solver):
+    """Few active controls that bring the rows of a programme's stages to zero; a start is (N, b).
 
-    steps : those of the reweighting.
     row_penalty : of hard rows, so large that what is left of them does not matter.
     path_penalty : of path constraints.
+
+    A start that does not succeed shows in its residual.
     """
 
-    steps: Reweighting
+    settings: Reweighting
     row_penalty: float = 1e8
     path_penalty: float = 1e3
 
+    name = "reweighting over stages"
+    supports = frozenset(
+        {
+            features.ROWS_BY_STAGE,
+            features.MAGNITUDE_LIMITS,
+            features.COUNTED_APART,
+            features.DYNAMICS,
+            features.PATH_EQUALITY,
+            features.SOFT_PATH_ROWS,
+            features.PATH_INEQUALITY,
+            features.TERMINAL_EQUALITY,
+            features.SOFT_TERMINAL_ROWS,
+            features.TERMINAL_INEQUALITY,
+            features.HELD_CONTROLS,
+            features.MANIFOLD,
+        }
+    )
+    needs = frozenset({features.ROWS_BY_STAGE, features.MAGNITUDE_LIMITS})
+    same_passes = True
 
-class _Point(NamedTuple):
-    flown: Trajectory
-    support: Array
-    held: Array
-    path: Array
-    final: Array
+    def init(self, program: RootProgram, start: Array, args: Any) -> _State:
+        """The flight at rest, or under the start where its support is given."""
+        stages, dtype = _stages(program), start.dtype
+        course, first = begin(self.settings, start, program.free(args))
+        x, end = fly(stages, first, args)
+        flown = Trajectory(x, end, first)
+        rows = jax.eval_shape(lambda: rows_along(stages, flown, args)[0])
+        last = jax.eval_shape(lambda: final_rows(stages, end, args))
+        return _State(
+            course,
+            flown,
+            jnp.zeros(start.shape[0], dtype),
+            jnp.zeros(rows.inequality.shape, dtype),
+            jnp.zeros(last.inequality.shape, dtype),
+            jnp.asarray(jnp.inf, dtype),
+        )
 
+    def step(self, program: RootProgram, state: _State, args: Any) -> _State:
+        """A Riccati step, flown with controls cut at the limits."""
+        assert program.limits is not None
+        stages, u, limits = _stages(program), state.flown.u, program.limits(args)
+        weighted = weigh(self.settings, state.course, u, program.importance(args), program.shared)
+        support = weighted.course.support
+        loose = support * (1.0 - state.held[:, None])
+        found = self._laws(stages, state, weighted.weights, loose, (support - 1.0) * u, args)
 
-def sparsify_stages(
-    program: OptimalControlProgram,
-    limits: Array,
-    u: Array,
-    free: Array,
-    importance: Array,
-    shared: bool,
-    args: Any,
-    settings: StagedReweighting,
-) -> SparseRoot:
-    """Controls with few active entries that bring the rows to zero, from one start.
+        def limited(row: Array) -> tuple[Array, Array]:
+            over = jnp.max(jnp.abs(jnp.sum(limits * row[None], axis=1)))
+            return row / jnp.maximum(1.0, over), jnp.where(over > 1.0, 1.0, 0.0)
 
-    program : its cost is not used, and its inequalities leave the control limits out.
-    limits : (l, b), rows with |l u[k]| <= 1 for every stage k.
-    u : (N, b); its pattern is what makes one start differ from another: the first weights come
-        from it, but the first step begins at rest.  Where the support is given, the first controls.
-    free : (N, b), 1 where control is allowed.  importance : (N,), cost of an active stage.
-    shared : whether a stage's controls count as one.
+        whole = jnp.ones((), u.dtype)
+        flown, held = fly_with_feedback(stages, state.flown, found.gains, whole, args, limited)
+        return _State(weighted.course, flown, held, found.path, found.final, found.worst)
 
-    Nothing raises inside; a start that does not succeed shows in its residual.
-    """
-    n, size = program.error_size, u.shape[1]
-    first = jnp.where(settings.steps.deciding > 0, 0.0, u * free)
-    x, end = fly(program, first, args)
-    rows = jax.eval_shape(lambda: rows_along(program, Trajectory(x, end, first), args)[0])
-    equalities, inequalities = rows.equality.shape, rows.inequality.shape
-    stages = program.stages(args)
-    steps = settings.steps
-    dtype = u.dtype
-    row_penalty = jnp.asarray(settings.row_penalty, dtype)
-    path_penalty = jnp.asarray(settings.path_penalty, dtype)
+    def done(self, state: _State) -> Array:
+        """After all steps."""
+        return done(self.settings, state.course)
 
-    def limited(row: Array) -> tuple[Array, Array]:
-        over = jnp.max(jnp.abs(jnp.sum(limits * row[None], axis=1)))
-        return row / jnp.maximum(1.0, over), jnp.where(over > 1.0, 1.0, 0.0)
+    def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
+        """Residual and saturation are those of the last step."""
+        saturated = jnp.any(state.held > 0.0)
+        return SparseRoot(state.flown.u, state.course.support, state.residual, saturated)
 
-    def final(end: Array, multipliers: Array) -> tuple[Array, Array, Array]:
-        """Value at the last node, multipliers of its path constraints and largest hard row."""
-
-        def rows(error: Array) -> Rows:
-            return final_rows(program, program.retract(end, error), args)
-
-        weight = program.final_weights(args)
-        values, jacobian = differentiated(rows, jnp.zeros(n, dtype))
-        held = Rows(jnp.zeros_like(values.equality), multipliers)
-        model = penalty_model(values, jacobian, held, weight, row_penalty, path_penalty)
-        hard = jnp.where(jnp.isinf(weight), jnp.abs(values.equality), 0.0)
-        worst = jnp.maximum(jnp.max(hard, initial=0.0), jnp.max(-values.inequality, initial=0.0))
-        value = jnp.concatenate([model.hessian, model.gradient[:, None]], axis=1)
-        return value, model.estimates.inequality, worst
-
-    def laws(
-        point: _Point, weights: Array, loose: Array, forced: Array
-    ) -> tuple[Array, Array, Array, Array]:
-        """Feedback laws (N, b, n + 1), new path multipliers, final ones and largest violation."""
-        _, end, controls = point.flown
-        value, final_multipliers, worst = final(end, point.final)
-        dynamics = derivatives_along(program, point.flown, args)
+    def _laws(
+        self,
+        program: OptimalControlProgram,
+        state: _State,
+        weights: Array,
+        loose: Array,
+        forced: Array,
+        args: Any,
+    ) -> _Laws:
+        """Feedback laws of the next step."""
+        controls = state.flown.u
+        n, size, dtype = program.error_size, controls.shape[1], controls.dtype
+        value, final_multipliers, worst = self._last(program, state, args)
+        dynamics = derivatives_along(program, state.flown, args)
 
         def backwards(carry: tuple[Array, Array], inputs: Any) -> tuple[Any, Array]:
             value, worst = carry
@@ -141,45 +178,38 @@ def sparsify_stages(
             out = jnp.concatenate([law.ravel(), model.estimates.inequality])
             return (value, worst), out
 
-        held = Rows(jnp.zeros(equalities, dtype), point.path)
-        along = models_along(program, point.flown, held, row_penalty, path_penalty, args)
-        inputs = (controls, dynamics, *along, weights, loose, forced, stages)
+        equalities = jax.eval_shape(lambda: rows_along(program, state.flown, args)[0]).equality
+        held = Rows(jnp.zeros(equalities.shape, dtype), state.path)
+        row_penalty, path_penalty = self._penalties(dtype)
+        along = models_along(program, state.flown, held, row_penalty, path_penalty, args)
+        inputs = (controls, dynamics, *along, weights, loose, forced, program.stages(args))
         (_, worst), out = lax.scan(backwards, (value, worst), inputs, reverse=True)
         gains = out[:, : size * (n + 1)].reshape(-1, size, n + 1)
-        return gains, out[:, size * (n + 1) :], final_multipliers, worst
+        return _Laws(gains, out[:, size * (n + 1) :], final_multipliers, worst)
 
-    def body(i: Array, carry: tuple[_Point, Array]) -> tuple[_Point, Array]:
-        point, _ = carry
-        controls = point.flown.u
-        deciding = i < steps.deciding
-        smoothing = steps.smoothing * steps.factor**i
-        squared = jnp.where(i == 0, u, controls) ** 2
-        if shared:
-            squared = jnp.broadcast_to(jnp.sum(squared, axis=1, keepdims=True), u.shape)
-        freezing = (i == steps.deciding) & (i > 0)
-        active = (squared > SUPPORT_THRESHOLD**2) | ~freezing
-        support = point.support * active
-        count = (squared + smoothing**2) * jnp.log1p(1.0 / smoothing**2)
-        effort = jnp.sqrt(controls**2 + steps.settled_smoothing**2)
-        weights = jnp.where(deciding, 0.5 * count / importance[:, None], effort)
-        loose = support * (1.0 - point.held[:, None])
-        forced = (support - 1.0) * controls
-        gains, path, final_multipliers, worst = laws(point, weights, loose, forced)
-        flown, over = fly_with_feedback(
-            program, point.flown, gains, jnp.ones((), dtype), args, limited
-        )
-        return _Point(flown, support, over, path, final_multipliers), worst
+    def _last(
+        self, program: OptimalControlProgram, state: _State, args: Any
+    ) -> tuple[Array, Array, Array]:
+        """Value at the last node, multipliers of its path constraints and largest violation."""
+        end, dtype = state.flown.end, state.flown.u.dtype
 
-    last = jax.eval_shape(lambda: program.final_inequalities(end, args))
-    start = _Point(
-        Trajectory(x, end, first),
-        free,
-        jnp.zeros(u.shape[0], dtype),
-        jnp.zeros(inequalities, dtype),
-        jnp.zeros(last.shape, dtype),
-    )
-    found, worst = lax.fori_loop(
-        0, steps.deciding + steps.settling, body, (start, jnp.asarray(jnp.inf, dtype))
-    )
-    saturated = jnp.any(found.held > 0.0)
-    return SparseRoot(found.flown.u, found.support, worst, saturated)
+        def rows(error: Array) -> Rows:
+            return final_rows(program, program.retract(end, error), args)
+
+        weight = program.final_weights(args)
+        values, jacobian = differentiated(rows, jnp.zeros(program.error_size, dtype))
+        held = Rows(jnp.zeros_like(values.equality), state.final)
+        model = penalty_model(values, jacobian, held, weight, *self._penalties(dtype))
+        hard = jnp.where(jnp.isinf(weight), jnp.abs(values.equality), 0.0)
+        worst = jnp.maximum(jnp.max(hard, initial=0.0), jnp.max(-values.inequality, initial=0.0))
+        value = jnp.concatenate([model.hessian, model.gradient[:, None]], axis=1)
+        return value, model.estimates.inequality, worst
+
+    def _penalties(self, dtype: Any) -> tuple[Array, Array]:
+        """Of hard rows and of path constraints, ()."""
+        return jnp.asarray(self.row_penalty, dtype), jnp.asarray(self.path_penalty, dtype)
+
+
+def _stages(program: RootProgram) -> OptimalControlProgram:
+    assert program.stages is not None
+    return program.stages

@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.optimize.augmented_lagrangian.outer import Terms
 from jaxatt.optimize.augmented_lagrangian.penalty import equality_cost, inequality_cost
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.riccati.penalty import (
@@ -38,15 +39,6 @@ class Multipliers(NamedTuple):
 
     stage: Rows
     final: Rows
-
-
-class Terms(NamedTuple):
-    """What makes the augmented Lagrangian of an inner minimisation."""
-
-    multipliers: Multipliers
-    penalty: Array
-    stage_penalty: Array
-    smoothing: Array
 
 
 class Sweep(NamedTuple):

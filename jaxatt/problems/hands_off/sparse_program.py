@@ -15,9 +15,10 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize.equations import Equations
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.program import Program
-from jaxatt.optimize.reweighting.equations import Equations, Linearise, from_response
+from jaxatt.optimize.root_program import RootProgram
 from jaxatt.problems.hands_off import sparsity
 
 
@@ -84,14 +85,6 @@ class SparseSystem:
     stages: Callable[[int], OptimalControlProgram] | None = None
     label: str | None = None
 
-    def linearise(self, plant: Any) -> Linearise:
-        """Function that linearises the terminal errors for weighted least-norm steps."""
-        equations, response = self.equations, self.response
-        if equations is not None:
-            return lambda u, weights, moved, accurate: equations(u, weights, moved, accurate, plant)
-        assert response is not None
-        return from_response(lambda u: response(u, plant))
-
 
 @functools.cache
 def sparse_program(system: SparseSystem, shared: bool) -> Program:
@@ -122,6 +115,29 @@ def sparse_program(system: SparseSystem, shared: bool) -> Program:
         inequality=lambda u, args: system.margins(u, args.plant),
         stage_inequality=lambda u, args: system.stage_margins(u, args.plant),
         free=lambda u, args: args.free,
+    )
+
+
+@functools.cache
+def sparse_roots(system: SparseSystem, shared: bool) -> RootProgram:
+    """The rows of a system that few controls are to bring to zero."""
+    response, equations, path = system.response, system.equations, system.path
+    limits, bounds = system.limits, system.bounds
+    return RootProgram(
+        free=lambda args: args.free,
+        importance=lambda args: args.weight * args.count_scale,
+        row_weight=lambda args: args.row_weight,
+        response=response and (lambda u, args: response(u, args.plant)),
+        equations=equations
+        and (
+            lambda u, weights, moved, exact, args: equations(u, weights, moved, exact, args.plant)
+        ),
+        path=path and (lambda u, args: path(u, args.plant)),
+        limits=limits and (lambda args: limits(args.plant)),
+        bounds=bounds and (lambda args: bounds(args.plant)),
+        effort_map=lambda args: args.effort_map,
+        effort_scale=lambda args: args.effort_scale,
+        shared=shared or bounds is not None,
     )
 
 

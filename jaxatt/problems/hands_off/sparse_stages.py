@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize.optimal_control import OptimalControlProgram
+from jaxatt.optimize.root_program import RootProgram
 from jaxatt.problems.hands_off import sparsity
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
 
@@ -80,4 +81,19 @@ def sparse_stages(
         inequality=inequality if limited or base.inequality is not None else None,
         free=lambda stage, args: stage[2],
         linearise=linearise,
+    )
+
+
+@functools.cache
+def sparse_stage_roots(system: SparseSystem, size: int, shared: bool) -> RootProgram:
+    """The rows of a system, interval by interval, that few controls are to bring to zero."""
+    limits = system.limits
+    assert limits is not None
+    return RootProgram(
+        free=lambda args: args.free,
+        importance=lambda args: args.weight * args.count_scale,
+        row_weight=lambda args: args.row_weight,
+        stages=sparse_stages(system, size, shared, limited=False),
+        limits=lambda args: limits(args.plant),
+        shared=shared,
     )

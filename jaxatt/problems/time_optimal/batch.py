@@ -1,92 +1,54 @@
-"""Solve many starts of a reorientation by the interior-point method, in chunks of one size."""
+"""How a start enters the programme of a reorientation, and all of them solved at once."""
 
 from __future__ import annotations
 
-import functools
-from dataclasses import replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
-import numpy.typing as npt
-from jax import Array, lax
+from jax import Array
 
-from jaxatt.multistart.refilling import refilling
-from jaxatt.optimize.interior_point.solver import (
-    InteriorSettings,
-    InteriorSolution,
-    State,
-    advance,
-    begin,
-    outcome,
-    running,
-)
+from jaxatt.multistart.driver import run_starts
+from jaxatt.optimize.interior_point.method import InteriorPoint
+from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.random_paths import Paths
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.task import ReorientationTask
-from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
-from jaxatt.runtime.settings import QUICK_TO_COMPILE
 
-_PASSES = 4
-"""Of a chunk between two looks for starts that have ended."""
 _ROWS = 32
 """At most in a chunk on a CPU: the last start that takes long keeps few idle ones busy."""
 
 
-class _Own(NamedTuple):
-    """What a start has of its own for as long as it is solved; see `Paths`."""
+@dataclass(frozen=True)
+class PathForm:
+    """What is compiled in; a problem as `run_starts` wants it.
 
-    step: Floats
-    reference: Floats
-    effort_weight: Floats
+    size : number of controls.
+    """
 
+    form: ReorientationForm
+    size: int
+    label: str | None = None
 
-def _placed(lane: Paths | _Own, arguments: ReorientationParameters) -> ReorientationParameters:
-    return replace(
-        arguments,
-        step=jnp.asarray(lane.step),
-        reference=jnp.asarray(lane.reference),
-        effort_weight=jnp.asarray(lane.effort_weight),
-    )
+    @property
+    def program(self) -> Any:
+        """The programme that the solver gets."""
+        return reorientation(self.form, self.size)
 
-
-@functools.partial(jax.jit, static_argnames=("form", "size"), compiler_options=QUICK_TO_COMPILE)
-def _advance_chunk(
-    form: ReorientationForm,
-    size: int,
-    lanes: Paths,
-    states: State,
-    fresh: npt.NDArray[np.bool_],
-    arguments: ReorientationParameters,
-    settings: InteriorSettings,
-) -> tuple[State, InteriorSolution, Array]:
-    """Some passes for a chunk of starts; see `refilling.Advance`."""
-    program = reorientation(form, size)
-
-    # The rows go last, where every component becomes one contiguous vector.
-    def trailing(lanes: Any) -> Any:
-        return jax.tree.map(lambda leaf: jnp.moveaxis(jnp.asarray(leaf), 0, -1), lanes)
-
-    def renewed(states: State) -> State:
-        def one(lane: Paths, state: State, new: Array) -> State:
-            u, x = jnp.asarray(lane.u), jnp.asarray(lane.states)
-            first = begin(program, u, x, _placed(lane, arguments), settings)
-            return jax.tree.map(lambda a, b: jnp.where(new, a, b), first, state)
-
-        new = jnp.asarray(fresh)
-        return jax.vmap(one, in_axes=-1, out_axes=-1)(trailing(lanes), states, new)
-
-    def one(lane: _Own, state: State) -> tuple[State, InteriorSolution, Array]:
-        placed = _placed(lane, arguments)
-        state = advance(program, state, placed, settings, _PASSES)
-        return state, outcome(state, settings), running(state, settings)
-
-    states = lax.cond(jnp.any(fresh), renewed, lambda states: states, states)
-    own = trailing(_Own(lanes.step, lanes.reference, lanes.effort_weight))
-    return jax.vmap(one, in_axes=-1, out_axes=-1)(own, states)
+    def enter(
+        self, path: Paths, parameters: ReorientationParameters
+    ) -> tuple[tuple[Array, Array], ReorientationParameters]:
+        """Controls and states at which the solver begins, and parameters of one start."""
+        own = replace(
+            parameters,
+            step=jnp.asarray(path.step),
+            reference=jnp.asarray(path.reference),
+            effort_weight=jnp.asarray(path.effort_weight),
+        )
+        return (jnp.asarray(path.u), jnp.asarray(path.states)), own
 
 
 def _rows(count: int) -> int:
@@ -102,26 +64,17 @@ def solve_paths(
     report: Report | None = None,
     rows: int | None = None,
 ) -> InteriorSolution:
-    """Solve a task from all of its starts, chunk by chunk, and gather the results on the host.
+    """Solve a task from all of its starts and gather the results on the host.
 
     arguments : in place of the task's own.  rows : starts in one compiled call.
     """
-    settings = settings or InteriorSettings()
-    arguments = arguments or task.parameters
-    rows = rows or _rows(len(paths.u))
     progress = None if report is None else lambda done: report("solving from all starts", done)
-
-    def some_passes(
-        lanes: Paths, states: State, fresh: npt.NDArray[np.bool_]
-    ) -> tuple[State, InteriorSolution, Array]:
-        form, size = task.form, task.actuation.size
-        return _advance_chunk(form, size, lanes, states, fresh, arguments, settings)
-
-    def started(lane: Paths) -> State:
-        placed = _placed(lane, arguments)
-        return begin(task.program, jnp.asarray(lane.u), jnp.asarray(lane.states), placed, settings)
-
-    shapes = jax.eval_shape(started, jax.tree.map(lambda leaf: leaf[0], paths))
-    empty = jax.tree.map(lambda leaf: np.zeros((*leaf.shape, rows), leaf.dtype), shapes)
-    key = ("reorientation", task.form, paths.u.shape[1:])
-    return refilling(some_passes, paths, empty, rows, progress, key)
+    found: InteriorSolution = run_starts(
+        InteriorPoint(settings or InteriorSettings()),
+        PathForm(task.form, task.actuation.size),
+        paths,
+        arguments or task.parameters,
+        rows=rows or _rows(len(paths.u)),
+        progress=progress,
+    )
+    return found

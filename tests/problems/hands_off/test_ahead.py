@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.optimize.reweighting.condensed import Reweighting
+from jaxatt.multistart import driver
+from jaxatt.optimize.reweighting.condensed import CondensedReweighting
+from jaxatt.optimize.reweighting.weights import Reweighting
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.ahead import compiled_ahead
-from jaxatt.problems.hands_off.search.batch import broadcast_lanes, sparsify_chunk
+from jaxatt.problems.hands_off.search.batch import Form, broadcast_lanes
 from jaxatt.problems.hands_off.search.polish import Method, count_arguments, decide, polish
 from jaxatt.problems.hands_off.search.starts import draw
 from jaxatt.runtime.compilation import Routine
@@ -48,18 +50,18 @@ def test_a_search_finds_all_its_large_programs_ready(task, compiled):
 
 
 def test_a_kept_program_of_a_search_gives_the_same_bits(task, compiled, tmp_path):
-    method = Method("l0", rows=8)
-    form, free = method.form(task), task.arguments.free
+    form, free = Form(task.system, task.shared, "roots", task.size), task.arguments.free
     u = 0.01 * np.random.default_rng(5).normal(size=(8, task.intervals, task.size))
     lanes = broadcast_lanes(u, free, task.arguments.row_weight, np.ones(8))
-    args = form, lanes, count_arguments(task), Reweighting()
+    solver = CondensedReweighting(Reweighting())
+    args = driver.Job(form, False), lanes, count_arguments(task), solver
     found = []
     before = jax.config.values["jax_compilation_cache_dir"]
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
     try:
         for _ in range(2):
             compiled.clear()
-            answer = Routine(sparsify_chunk.__wrapped__, statics=1)(*args)
+            answer = Routine(driver.to_the_end.__wrapped__, statics=1)(*args)
             found.append((answer, "flat" in compiled))
     finally:
         jax.config.update("jax_compilation_cache_dir", before)

@@ -11,7 +11,7 @@ from references import reflight
 
 import jaxatt
 from jaxatt import scenarios
-from jaxatt.problems.hands_off.search import batch
+from jaxatt.multistart import driver
 
 N, LONGEST = 40, 9.0
 
@@ -86,7 +86,7 @@ def test_fuel_and_time_are_traded_as_athans_and_falb_have_it(seed):
 
 def test_another_distance_and_price_do_not_compile_anew():
     jaxatt.solve(free(1.0, 2.0))
-    large = [run._jitted for run in (batch.effort_chunk, batch.sparsify_chunk)]
+    large = [run._jitted for run in (driver.some_passes, driver.to_the_end)]
     compiled = [run._cache_size() for run in large]
     jaxatt.solve(free(2.5, 7.0))
     assert [run._cache_size() for run in large] == compiled

@@ -1,6 +1,5 @@
 """Lanes of a batch do not know of each other, and candidates are ordered as promised."""
 
-import functools
 from dataclasses import replace
 
 import jax
@@ -8,10 +7,11 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
-from jaxatt.multistart import retiring
+from jaxatt.multistart.driver import run_starts
+from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.search.batch import Form, Lanes, solve_lanes
+from jaxatt.problems.hands_off.search.batch import Form, Lanes
 from jaxatt.problems.hands_off.search.candidates import (
     Candidates,
     better,
@@ -38,8 +38,10 @@ def lanes(task):
     return Lanes(starts.u, free, rows, starts.sign)
 
 
-def run(task, lanes):
-    return solve_lanes(Form(task.system, task.shared), lanes, task.arguments, HOMOTOPY)
+def run(task, lanes, schedule=HOMOTOPY, rows=64, **options):
+    form = Form(task.system, task.shared, "sparse", task.size)
+    solver = AugmentedLagrangian(schedule)
+    return run_starts(solver, form, lanes, task.arguments, rows=rows, **options)
 
 
 @pytest.fixture(scope="module")
@@ -79,29 +81,23 @@ def test_a_lane_of_nans_leaves_the_others_alone(task, lanes, solved):
     assert np.isfinite(candidates.controls).all()
 
 
-def test_retiring_slow_lanes_changes_no_result(task, lanes, monkeypatch):
-    form = Form(task.system, task.shared)
+def test_starts_that_make_room_end_as_if_they_had_not(task, lanes):
     supports = np.zeros_like(lanes.free)
     for row in supports:
         row[np.random.default_rng(int(row.shape[0])).permutation(50)[:3]] = 1.0
     frozen = lanes._replace(u=0.3 * lanes.u * supports, free=supports)
-    solve = functools.partial(
-        solve_lanes, form, frozen, task.arguments, replace(POLISH, max_iterations=40)
-    )
-    retired = solve()
-    monkeypatch.setattr(retiring, "EARLY_ITERATIONS", 10**6)
-    together = solve()
-    assert (together.iterations > 16).any()
-    for a, b in zip(jax.tree.leaves(retired), jax.tree.leaves(together), strict=True):
-        np.testing.assert_array_equal(a, b)
+    schedule = replace(POLISH, max_iterations=40)
+    refilled = run(task, some(frozen, np.arange(40) % 12), schedule, rows=16)
+    alone = run(task, frozen, schedule, rows=16)
+    assert (alone.iterations > 16).any() and (alone.iterations < 16).any()
+    for a, b in zip(*map(jax.tree.leaves, (refilled, alone)), strict=True):
+        np.testing.assert_array_equal(a, b[np.arange(40) % 12])
 
 
 def test_progress_counts_every_lane_once(task, lanes):
     done = []
-    form = Form(task.system, task.shared)
-    seventy = some(lanes, np.arange(70) % 12)
-    solve_lanes(form, seventy, task.arguments, HOMOTOPY, progress=done.append)
-    assert done == [0, 64, 6]
+    run(task, some(lanes, np.arange(70) % 12), progress=done.append)
+    assert done[0] == 0 and sum(done) == 70
 
 
 def test_seeds_reproduce_and_more_starts_keep_the_first(task):

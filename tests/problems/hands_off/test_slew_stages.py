@@ -10,15 +10,16 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.optimize.optimal_control import exact_derivatives, fly
-from jaxatt.optimize.reweighting.condensed import Reweighting
-from jaxatt.optimize.reweighting.staged import StagedReweighting, sparsify_stages
-from jaxatt.optimize.riccati.lagrangian import solve_stages
+from jaxatt.optimize.reweighting.staged import StagedReweighting
+from jaxatt.optimize.reweighting.weights import Reweighting
+from jaxatt.optimize.riccati.lagrangian import RiccatiLagrangian
+from jaxatt.optimize.solver import solve
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.search.polish import POLISH, effort_arguments
+from jaxatt.problems.hands_off.search.polish import POLISH, count_arguments, effort_arguments
 from jaxatt.problems.hands_off.slew.model import SlewForm, terminal_rows, wheel_speeds
 from jaxatt.problems.hands_off.slew.stages import slew_stages
-from jaxatt.problems.hands_off.sparse_stages import sparse_stages
+from jaxatt.problems.hands_off.sparse_stages import sparse_stage_roots, sparse_stages
 from jaxatt.runtime.settings import QUICK_TO_COMPILE, RUNS_ONCE
 
 
@@ -81,17 +82,15 @@ def test_stages_fly_as_the_roll_out_does(name, form, speed):
 @functools.cache
 def solver(system, size):
     """Reweighting, then polishing, of lanes (N, b, S), batch axis last."""
-    loose = sparse_stages(system, size, True, limited=False)
+    loose = sparse_stage_roots(system, size, True)
     whole = sparse_stages(system, size, True)
 
     @functools.partial(jax.jit, compiler_options=QUICK_TO_COMPILE)
     def run(u, count, effort, settings):
         def one(u):
-            limits = system.limits(count.plant)
-            root = sparsify_stages(
-                loose, limits, u, count.free, count.weight, True, count, settings
-            )
-            return root, solve_stages(whole, root.u, replace(effort, free=root.support), POLISH)
+            root = solve(StagedReweighting(settings), loose, u, count)
+            settled = replace(effort, free=root.support)
+            return root, solve(RiccatiLagrangian(POLISH), whole, root.u, settled)
 
         return jax.vmap(one, in_axes=-1, out_axes=-1)(u)
 
@@ -108,9 +107,8 @@ def test_slews_of_any_size_arrive(attitude):
         * np.exp(1.5 * rng.normal(size=(task.intervals, 1, 4)))
     )
     u[..., 3] = np.nan
-    settings = StagedReweighting(Reweighting())
     root, solution = solver(task.system, task.size)(
-        jnp.asarray(u), task.arguments, effort_arguments(task), settings
+        jnp.asarray(u), count_arguments(task), effort_arguments(task), Reweighting()
     )
     controls = task.to_controls(np.moveaxis(np.asarray(solution.x), -1, 0)[:3])
     assert task.verify(controls)[0].reached.sum() >= 2

@@ -51,10 +51,9 @@ def test_steps_meet_one_sided_rows_and_waste_nothing_on_those_that_hold():
     target = np.einsum("sim,sm->si", jacobian, inside)
     target[:, ends:] -= rng.choice([0.0, 2.0], size=(count, path))
     slack = 1e-13 * np.sum(jacobian**2 * d[:, None], axis=-1)
-    v, dual = jax.jit(bounded_step, static_argnums=(7, 8))(
-        *map(jnp.asarray, (jacobian, target, d, lower, upper, slack, np.zeros_like(target))),
-        60,
-        path,
+    steps = jax.jit(jax.vmap(lambda *parts: bounded_step(*parts, 60, path)))
+    v, dual = steps(
+        *map(jnp.asarray, (jacobian, target, d, lower, upper, slack, np.zeros_like(target)))
     )
     v, left = np.asarray(v), np.einsum("sim,sm->si", jacobian, np.asarray(v)) - target
     np.testing.assert_allclose(left[:, :ends], 0.0, atol=1e-6)

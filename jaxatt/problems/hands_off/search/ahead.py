@@ -8,9 +8,16 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from jaxatt.optimize.reweighting.condensed import Reweighting
-from jaxatt.problems.hands_off.search.batch import broadcast_lanes, effort_chunk, sparsify_chunk
-from jaxatt.problems.hands_off.search.polish import LEAST, Method, count_arguments, effort_arguments
+from jaxatt.multistart.driver import begin_compiling
+from jaxatt.optimize.reweighting.weights import Reweighting
+from jaxatt.problems.hands_off.search.batch import Form, broadcast_lanes
+from jaxatt.problems.hands_off.search.polish import (
+    Method,
+    count_arguments,
+    effort_arguments,
+    reweighting,
+    spending,
+)
 from jaxatt.problems.hands_off.task import Task
 from jaxatt.runtime.chunks import cores
 
@@ -24,10 +31,14 @@ def compiled_ahead(task: Task, method: Method) -> Iterator[None]:
     """
     with ThreadPoolExecutor(cores(), thread_name_prefix="jaxatt-compile") as pool:
         if method.spends_least_for(task):
-            form, arguments = method.form(task), task.arguments
+            arguments = task.arguments
             u = np.zeros((method.rows, task.intervals, task.size))
             lanes = broadcast_lanes(u, arguments.free, arguments.row_weight, np.ones(len(u)))
-            sparsify_chunk.begin(pool, form, lanes, count_arguments(task), Reweighting())
-            effort_chunk.begin(pool, form, lanes, effort_arguments(task), LEAST)
+            for (solver, kind), needed in (
+                (reweighting(task, method, Reweighting()), count_arguments(task)),
+                (spending(task, method), effort_arguments(task)),
+            ):
+                form = Form(task.system, task.shared, kind, task.size)
+                begin_compiling(pool, solver, form, lanes, needed, method.rows)
         task.begin_verifying(pool)
         yield

@@ -8,14 +8,14 @@ where none of a smaller size does.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 
-from jaxatt.optimize.reweighting.bounded import BoundedReweighting
+from jaxatt.optimize.reweighting.bounded import BETWEEN_BOUNDS, BoundedReweighting
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
-from jaxatt.problems.hands_off.search.bounded_batch import sparsify_bounded_lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
 from jaxatt.problems.hands_off.search.polish import Method, polish, screen
 from jaxatt.problems.hands_off.task import Task
@@ -24,7 +24,9 @@ from jaxatt.runtime.arrays import Floats
 _NEARLY_HARD = 1e5
 """Weight of a squared row against that of a squared scaled control."""
 
-_NEAREST = BoundedReweighting(deciding=0, settling=40, settled_smoothing=1.0, reach=10.0)
+_NEAREST = BoundedReweighting(
+    replace(BETWEEN_BOUNDS, deciding=0, settling=40, settled_smoothing=1.0), reach=10.0
+)
 
 
 def bang_off_bang_supports(task: Task, shapes: Iterable[tuple[int, int]]) -> Mask:
@@ -65,11 +67,9 @@ def nearest_bursts(task: Task, size: int, method: Method, attempts: int = 4) -> 
     u[count:] = rng.uniform(size=u[count:].shape)
     free = np.broadcast_to(supports, u.shape) * np.asarray(task.arguments.free)
     lanes = broadcast_lanes(u * free, free, np.full(task.rows, _NEARLY_HARD), sign)
-    found = sparsify_bounded_lanes(
-        method.form(task), lanes, task.arguments, _NEAREST, method.progress, method.rows
-    )
+    found = method.run(task, _NEAREST, "roots", lanes, task.arguments)
     status = np.full(len(u), int(Status.FEASIBLE))
-    steps = np.full(len(u), _NEAREST.settling)
+    steps = np.full(len(u), _NEAREST.settings.settling)
     return evaluate(task, np.asarray(found.u), status, steps, sign)
 
 

@@ -1,39 +1,34 @@
-"""Decide and settle supports of controls with limits of their own, many starts at once."""
+"""Settings and answers of reweighting for controls with limits of their own."""
 
 from __future__ import annotations
 
-import functools
 from dataclasses import replace
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.optimize.reweighting.bounded import (
-    BoundedReweighting,
-    BoundedRoot,
-    sparsify_bounded,
-)
-from jaxatt.optimize.reweighting.condensed import Reweighting, SparseRoot
+from jaxatt.multistart.driver import run_starts
+from jaxatt.optimize.reweighting.bounded import BETWEEN_BOUNDS, BoundedReweighting
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.batch import Form, Lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
 from jaxatt.problems.hands_off.task import Task
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import CHUNK, Progress, in_chunks
+from jaxatt.runtime.chunks import CHUNK, Progress
 
 DECIDE = BoundedReweighting()
 """Reweighting that decides supports, from scaled controls of any size."""
 
-DECIDE_SLOWLY = BoundedReweighting(deciding=24, factor=0.75)
+DECIDE_SLOWLY = BoundedReweighting(replace(BETWEEN_BOUNDS, deciding=24, factor=0.75))
 """The same where path constraints, which are worst now here, now there, have to be met as well."""
 
-SETTLE = BoundedReweighting(deciding=0, settling=20, settled_smoothing=1e-2)
+SETTLE = BoundedReweighting(
+    replace(BETWEEN_BOUNDS, deciding=0, settling=20, settled_smoothing=1e-2)
+)
 """Whether a given support leads to the target."""
 
-POLISH = BoundedReweighting(deciding=0, settling=40, settled_smoothing=1e-4)
+POLISH = replace(BETWEEN_BOUNDS, deciding=0, settling=40, settled_smoothing=1e-4)
 """The least effort on a given support, to the full tolerance."""
 
 _STILL = 1e-4
@@ -41,73 +36,6 @@ _STILL = 1e-4
 
 _TIGHT = 1e-7
 """Rows before the last step up to which a polished answer can be called converged."""
-
-
-@functools.partial(jax.jit, static_argnames=("form",))
-def _bounded_chunk(
-    form: Form, lanes: Lanes, arguments: SparseArguments, settings: BoundedReweighting
-) -> BoundedRoot:
-    respond, bounds = form.system.response, form.system.bounds
-    assert respond is not None and bounds is not None
-    lanes = jax.tree.map(jnp.asarray, lanes)
-
-    def one(u: Array, sign: Array) -> tuple[Array, Array]:
-        plant = form.system.turned(arguments.plant, sign)
-        rows, derivatives = respond(u, plant)
-        if form.system.path is not None:
-            path, slopes = form.system.path(u, plant)
-            rows = jnp.concatenate([rows, path])
-            derivatives = jnp.concatenate([derivatives, slopes], axis=1)
-        return rows, jnp.swapaxes(derivatives, 0, 1)
-
-    def response(u: Array) -> tuple[Array, Array]:
-        # The batch axis goes last, where every component becomes one contiguous vector.
-        return jax.vmap(one, in_axes=(-1, 0), out_axes=0)(jnp.moveaxis(u, 0, -1), lanes.sign)
-
-    lower, upper = bounds(arguments.plant)
-    return sparsify_bounded(
-        response,
-        lower,
-        upper,
-        lanes.u,
-        lanes.free,
-        arguments.weight * arguments.count_scale,
-        lanes.row_weight,
-        settings,
-    )
-
-
-def sparsify_bounded_lanes(
-    form: Form,
-    lanes: Lanes,
-    arguments: SparseArguments,
-    settings: BoundedReweighting,
-    progress: Progress | None = None,
-    rows: int = CHUNK,
-) -> BoundedRoot:
-    """As `batch.sparsify_lanes`, between bounds."""
-    run = functools.partial(_bounded_chunk, form)
-    key = ("sparsify bounded", form, lanes.u.shape[1:])
-    return in_chunks(lambda chunk: run(chunk, arguments, settings), lanes, rows, progress, key)
-
-
-def reweight_bounded(
-    form: Form,
-    lanes: Lanes,
-    arguments: SparseArguments,
-    settings: Reweighting,
-    progress: Progress | None = None,
-    rows: int = CHUNK,
-) -> SparseRoot:
-    """What `polish.reweight` does, for a task whose system has bounds.
-
-    settings : only whether the support is decided or given is read from them.
-    """
-    decide = DECIDE if form.system.path is None else DECIDE_SLOWLY
-    chosen = decide if settings.deciding else SETTLE
-    found = sparsify_bounded_lanes(form, lanes, arguments, chosen, progress, rows)
-    # Bounds hold at every step, so there is no start that saturation could have led astray.
-    return SparseRoot(found.u, found.support, found.residual, jnp.zeros(len(lanes.u), bool))
 
 
 def polish_bounded(
@@ -124,8 +52,8 @@ def polish_bounded(
     in for a start where it costs less: the cost punishes partly open thrusters.
     """
     soft = task.goal.terminal == "penalty"
-    settings = replace(POLISH, effort=task.effort_weight if soft else 1.0)
-    found = sparsify_bounded_lanes(form, lanes, arguments, settings, progress, rows)
+    solver = BoundedReweighting(replace(POLISH, effort=task.effort_weight if soft else 1.0))
+    found = run_starts(solver, form, lanes, arguments, rows=rows, progress=progress)
     arrived = np.asarray(found.residual) <= _TIGHT
     still = np.asarray(found.moved) <= _STILL
     status = np.where(

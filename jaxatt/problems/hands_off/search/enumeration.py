@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.optimize.reweighting.condensed import Reweighting
 from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.optimize.reweighting.weights import Reweighting
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
 from jaxatt.problems.hands_off.search.polish import SCREENING, SETTLED, Method, polish, reweight
 from jaxatt.problems.hands_off.task import Task

@@ -2,28 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.optimize.augmented_lagrangian.solver import Schedule
-from jaxatt.optimize.reweighting.condensed import SUPPORT_THRESHOLD, Reweighting, SparseRoot
+from jaxatt.multistart.driver import run_starts
+from jaxatt.optimize.augmented_lagrangian.outer import Schedule
+from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
+from jaxatt.optimize.least_effort.primal_dual import LeastEffort
+from jaxatt.optimize.reweighting.condensed import CondensedReweighting
+from jaxatt.optimize.reweighting.staged import StagedReweighting
 from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.optimize.reweighting.weights import SUPPORT_THRESHOLD, Reweighting, SparseRoot
+from jaxatt.optimize.riccati.lagrangian import RiccatiLagrangian
+from jaxatt.optimize.solver import Solver
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.search.batch import (
-    Form,
-    Lanes,
-    broadcast_lanes,
-    solve_lanes,
-    sparsify_lanes,
-    spend_least,
-)
-from jaxatt.problems.hands_off.search.bounded_batch import polish_bounded, reweight_bounded
+from jaxatt.problems.hands_off.search.batch import Form, Lanes, broadcast_lanes
+from jaxatt.problems.hands_off.search.bounded_batch import DECIDE, DECIDE_SLOWLY, polish_bounded
+from jaxatt.problems.hands_off.search.bounded_batch import SETTLE as SETTLE_BETWEEN
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join
-from jaxatt.problems.hands_off.search.staged_batch import solve_staged_lanes, sparsify_staged_lanes
 from jaxatt.problems.hands_off.search.starts import Starts
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
 from jaxatt.problems.hands_off.task import Task
@@ -81,10 +80,17 @@ class Method:
     rows: int = CHUNK
     progress: Progress | None = None
 
-    def form(self, task: Task) -> Form:
-        """What is compiled for a task."""
+    def run(
+        self, task: Task, solver: Solver, kind: str, lanes: Lanes, arguments: SparseArguments
+    ) -> Any:
+        """Results of a solver from all lanes; kind : of the programme, see `Form`."""
+        form = Form(task.system, task.shared, kind, task.size)
+        return run_starts(solver, form, lanes, arguments, rows=self.rows, progress=self.progress)
+
+    def lagrangian(self, schedule: Schedule) -> AugmentedLagrangian:
+        """The augmented Lagrangian without stages, with the inner minimiser of this method."""
         inner = "gauss-newton" if self.inner == "riccati" else self.inner
-        return Form(task.system, task.shared, self.decides == "l1", inner)
+        return AugmentedLagrangian(schedule, inner)
 
     def stages_for(self, task: Task) -> bool:
         """Whether Riccati steps are taken: by choice, or where path constraints ask for them."""
@@ -124,13 +130,25 @@ def _free(task: Task, support: Mask) -> Floats:
     return full * np.asarray(task.arguments.free)
 
 
-def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
-    """Reweighted Newton steps for all lanes, by pulses or stage by stage."""
-    run = sparsify_staged_lanes if method.stages_for(task) else sparsify_lanes
+def reweighting(task: Task, method: Method, settings: Reweighting) -> tuple[Solver, str]:
+    """The reweighting that suits a task, by pulses, stage by stage or between bounds, and the kind
+    of its programme.
+
+    settings : where there are bounds, only whether the support is decided or given is read from it.
+    """
     if task.system.bounds is not None:
-        run = reweight_bounded
-    arguments = count_arguments(task)
-    return run(method.form(task), lanes, arguments, settings, method.progress, method.rows)
+        decides = DECIDE if task.system.path is None else DECIDE_SLOWLY
+        return (decides if settings.deciding else SETTLE_BETWEEN), "roots"
+    if method.stages_for(task):
+        return StagedReweighting(settings), "stage roots"
+    return CondensedReweighting(settings), "roots"
+
+
+def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
+    """Reweighted steps for all lanes."""
+    solver, kind = reweighting(task, method, settings)
+    found: SparseRoot = method.run(task, solver, kind, lanes, count_arguments(task))
+    return found
 
 
 def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
@@ -145,21 +163,18 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
     if task.system.bounds is not None and method.decides == "l1":
         return starts.u * free, np.any(free > 0.0, axis=-1, keepdims=True)
-    form, lanes = method.form(task), Lanes(starts.u * free, free, rows, starts.sign)
+    lanes = Lanes(starts.u * free, free, rows, starts.sign)
     if method.reweights_for(task):
         found = reweight(task, lanes, method, Reweighting())
         u = np.nan_to_num(np.asarray(found.u))
         active: Mask = np.asarray(found.support) > 0
         return u, np.any(active, axis=-1, keepdims=True) if task.shared else active
-    solution = solve_lanes(
-        form,
-        lanes,
-        effort_arguments(task) if form.slacks else count_arguments(task),
-        SLACK if form.slacks else HOMOTOPY,
-        method.progress,
-        method.rows,
-    )
-    u = np.nan_to_num(solution.x)
+    if method.decides == "l1":
+        solver, kind, arguments = method.lagrangian(SLACK), "slacks", effort_arguments(task)
+    else:
+        solver, kind, arguments = method.lagrangian(HOMOTOPY), "sparse", count_arguments(task)
+    solution = method.run(task, solver, kind, lanes, arguments)
+    u = np.nan_to_num(solution.x[..., : task.size])
     size = np.abs(u).max(axis=-1, keepdims=True) if task.shared else np.abs(u)
     return u, size > SUPPORT_THRESHOLD
 
@@ -196,27 +211,30 @@ def polish(
     most : iterations; by default as many as a full polish may take.
     """
     free = _free(task, supports)
-    form = method.form(task)
+    lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
     if task.system.bounds is not None:
-        lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
+        form = Form(task.system, task.shared, "roots", task.size)
         return polish_bounded(
             task, form, lanes, count_arguments(task), method.progress, method.rows
         )
-    solve: Callable[..., Any] = solve_lanes
-    schedule = SLACK if form.slacks else POLISH
-    if method.stages_for(task):
-        solve = solve_staged_lanes
-    elif method.spends_least_for(task):
-        solve, schedule = spend_least, LEAST
-    solution = solve(
-        form,
-        broadcast_lanes(u * free, free, task.arguments.row_weight, sign),
-        effort_arguments(task),
-        schedule if most is None else replace(schedule, max_iterations=most),
-        method.progress,
-        method.rows,
-    )
+    solver, kind = spending(task, method, most)
+    solution = method.run(task, solver, kind, lanes, effort_arguments(task))
     x, status, iterations = (
         np.asarray(leaf) for leaf in (solution.x, solution.status, solution.iterations)
     )
-    return evaluate(task, x, status, iterations, sign)
+    return evaluate(task, x[..., : task.size], status, iterations, sign)
+
+
+def spending(task: Task, method: Method, most: int | None = None) -> tuple[Solver, str]:
+    """What minimises the effort on a support, and the kind of its programme; see `polish`."""
+
+    def up_to(schedule: Schedule) -> Schedule:
+        return schedule if most is None else replace(schedule, max_iterations=most)
+
+    if method.stages_for(task):
+        return RiccatiLagrangian(up_to(POLISH)), "stages"
+    if method.spends_least_for(task):
+        return LeastEffort(up_to(LEAST)), "roots"
+    if method.decides == "l1":
+        return method.lagrangian(up_to(SLACK)), "slacks"
+    return method.lagrangian(up_to(POLISH)), "sparse"

@@ -31,17 +31,17 @@ def _correction(
 ) -> Array:
     """Smallest change (N, b) of scaled controls that takes rows (6,) away, between limits."""
     _, jacobian = thruster_response(u, p, form)
-    flat = jnp.swapaxes(jacobian, 0, 1).reshape(1, rows.shape[0], -1)
-    weights = d.reshape(1, -1)
-    slack = _HARD * jnp.sum(flat**2 * weights[:, None], axis=-1)
+    flat = jnp.swapaxes(jacobian, 0, 1).reshape(rows.shape[0], -1)
+    weights = d.ravel()
+    slack = _HARD * jnp.sum(flat**2 * weights[None], axis=-1)
     change, _ = bounded_step(
         flat,
-        -rows[None],
+        -rows,
         weights,
-        (lower - u).reshape(1, -1),
-        (upper - u).reshape(1, -1),
+        (lower - u).ravel(),
+        (upper - u).ravel(),
         slack,
-        jnp.zeros((1, rows.shape[0]), u.dtype),
+        jnp.zeros(rows.shape[0], u.dtype),
         _DUAL_STEPS,
     )
     return change.reshape(u.shape)

@@ -11,8 +11,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.optimize.augmented_lagrangian.inner import inner_minimiser
-from jaxatt.optimize.augmented_lagrangian.solver import Schedule, Solution, solve
+from jaxatt.optimize.augmented_lagrangian.outer import Schedule
+from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
+from jaxatt.optimize.solution import Solution
+from jaxatt.optimize.solver import solve
 from jaxatt.problems.hands_off.least_time_program import controls_of, least_time_program, log_ratio
 from jaxatt.problems.hands_off.search.candidates import evaluate, support_of
 from jaxatt.problems.hands_off.search.polish import SLACK
@@ -30,8 +32,8 @@ def _least_time(
     system: SparseSystem, x: Array, args: SparseArguments, sign: Array, schedule: Schedule
 ) -> Solution:
     placed = replace(args, plant=system.turned(args.plant, sign))
-    program = least_time_program(system)
-    return solve(program, x, placed, schedule, inner_minimiser("gauss-newton"))
+    found: Solution = solve(AugmentedLagrangian(schedule), least_time_program(system), x, placed)
+    return found
 
 
 def dilate_time(offer: Offer, rebuild: Rebuild, ledger: Ledger) -> Offer | None:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.optimize.reweighting.equations import Equations
+from jaxatt.optimize.equations import Equations
 from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
 from jaxatt.problems.hands_off.slew.response import flown_states, rows_at
 from jaxatt.problems.terminal_rows import RATE_SCALE

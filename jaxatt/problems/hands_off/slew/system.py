@@ -8,7 +8,7 @@ from dataclasses import replace
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.optimize.reweighting.equations import Equations
+from jaxatt.optimize.equations import Equations
 from jaxatt.problems.hands_off.slew.model import (
     SlewForm,
     SlewParameters,

@@ -1,0 +1,230 @@
+"""The batched driver: many starts of one problem, by any solver.
+
+Starts are solved in chunks of one compiled size, one a core, the batch axis where the solver is
+fastest.  Those that end make room for those that wait (`refilling`), and none is begun anew; where
+all starts take the same number of passes a chunk runs to the end in one call instead.  What a start
+does depends on itself alone.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Hashable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
+from jax import Array, lax
+
+from jaxatt.multistart.refilling import refilling
+from jaxatt.optimize.solver import Solver, advance, refuse, solve
+from jaxatt.runtime.chunks import Progress, chunk_for
+from jaxatt.runtime.compilation import Routine
+
+_WORKING_COPIES = 16
+"""Memory that a pass takes for a start, in states: derivatives, trial points, what XLA keeps."""
+
+_CPU_BYTES = 1 << 29
+"""Memory that one chunk may take on a CPU."""
+
+_DEVICE_SHARE = 0.5
+"""Share of an accelerator's memory that one chunk may take."""
+
+
+class Problem(Protocol):
+    """What is compiled in; equal ones, by `==` and `hash`, share what is compiled."""
+
+    @property
+    def program(self) -> Any:
+        """The programme that the solver gets."""
+
+    @property
+    def label(self) -> str | None:
+        """See `jaxatt.runtime.compilation`; None for what is not kept."""
+
+    def enter(self, start: Any, args: Any) -> tuple[Any, Any]:
+        """What the solver begins with, and the arguments of this start."""
+
+
+@dataclass(frozen=True)
+class Plain:
+    """A programme whose starts have nothing of their own but where they begin."""
+
+    program: Any
+    label: str | None = None
+
+    def enter(self, start: Any, args: Any) -> tuple[Any, Any]:
+        """The start itself and the arguments of all."""
+        return start, args
+
+
+@dataclass(frozen=True)
+class Job:
+    """A problem as a static argument of a `Routine`; lapack : whether its solver calls LAPACK.
+
+    Such programs are not kept: tracing sets it up.
+    """
+
+    problem: Problem
+    lapack: bool
+
+    @property
+    def label(self) -> str | None:
+        """None for what is not kept."""
+        return None if self.lapack else self.problem.label
+
+
+@functools.partial(Routine, statics=1)
+def to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
+    """Results of a chunk of starts, leading axis rows."""
+    axis = solver.batch_axis
+
+    def one(start: Any) -> Any:
+        guess, own = job.problem.enter(start, args)
+        return solve(solver, job.problem.program, guess, own)
+
+    found = jax.vmap(one, in_axes=axis, out_axes=axis)(_to(axis, starts))
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, axis, 0), found)
+
+
+@functools.partial(Routine, statics=1)
+def some_passes(
+    job: Job, starts: Any, states: Any, fresh: Array, args: Any, solver: Solver
+) -> tuple[Any, Any, Array]:
+    """Some passes for a chunk of starts; see `refilling.Advance`."""
+    axis, problem = solver.batch_axis, job.problem
+    program, starts = problem.program, _to(axis, starts)
+
+    def batched(function: Any) -> Any:
+        return jax.vmap(function, in_axes=axis, out_axes=axis)
+
+    def renewed(states: Any) -> Any:
+        def one(start: Any, state: Any, new: Array) -> Any:
+            first = solver.init(program, *problem.enter(start, args))
+            return jax.tree.map(lambda a, b: jnp.where(new, a, b), first, state)
+
+        return batched(one)(starts, states, jnp.asarray(fresh))
+
+    def passed(start: Any, state: Any) -> tuple[Any, Array, Array]:
+        own = problem.enter(start, args)[1]
+        was_running = ~solver.done(state)
+        state = advance(solver, program, state, own, solver.passes)
+        return state, was_running, ~solver.done(state)
+
+    def results(states: Any) -> Any:
+        def one(start: Any, state: Any) -> Any:
+            return solver.result(program, state, problem.enter(start, args)[1])
+
+        return batched(one)(starts, states)
+
+    states = lax.cond(jnp.any(fresh), renewed, lambda states: states, states)
+    states, was_running, running = batched(passed)(starts, states)
+    ended = (was_running | jnp.asarray(fresh)) & ~running
+    shapes = jax.eval_shape(results, states)
+    nothing = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
+    found = lax.cond(jnp.any(ended), results, lambda _: nothing, states)
+    found = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, axis, 0), found)
+    # A weak type would be another program for the next call.
+    states = jax.tree.map(lambda leaf: lax.convert_element_type(leaf, leaf.dtype), states)
+    return states, found, running
+
+
+def run_starts(
+    solver: Solver,
+    problem: Problem,
+    starts: Any,
+    args: Any,
+    *,
+    rows: int | None = None,
+    progress: Progress | None = None,
+) -> Any:
+    """Results of all starts on the host, a pytree with leading axis S.
+
+    starts : pytree with leading axis S.  args : pytree that all starts share.
+    rows : starts in one compiled call; by default as many as the cores or the accelerator want,
+        and never more than fit into memory.
+    progress : called by the host with the number of starts that have just ended.
+
+    Raises ValueError, before anything is compiled, where the solver does not support the programme.
+    """
+    refuse(solver, problem.program)
+    count = len(jax.tree.leaves(starts)[0])
+    state = _state(solver, problem, starts, args)
+    rows = _fitting(chunk_for(count) if rows is None else rows, state)
+    job = Job(problem, solver.calls_lapack)
+    key = (job, *_types(starts), *_types(solver))
+    if solver.same_passes:
+
+        def ended(some: Any, states: Any, fresh: npt.NDArray[np.bool_]) -> tuple[Any, Any, Any]:
+            return states, to_the_end(job, some, args, solver), np.zeros(len(fresh), bool)
+
+        return refilling(ended, starts, (), rows, progress, key, not solver.calls_lapack)
+
+    def passes(some: Any, states: Any, fresh: npt.NDArray[np.bool_]) -> tuple[Any, Any, Any]:
+        return some_passes(job, some, states, fresh, args, solver)
+
+    empty = _empty(solver, state, rows)
+    return refilling(passes, starts, empty, rows, progress, key, not solver.calls_lapack)
+
+
+def begin_compiling(
+    pool: Executor, solver: Solver, problem: Problem, starts: Any, args: Any, rows: int
+) -> None:
+    """Compile in a thread of `pool` what `run_starts` will call for starts like these."""
+    state = _state(solver, problem, starts, args)
+    rows = _fitting(rows, state)
+    job = Job(problem, solver.calls_lapack)
+    some = jax.tree.map(lambda leaf: np.zeros((rows, *leaf.shape[1:]), leaf.dtype), starts)
+    if solver.same_passes:
+        to_the_end.begin(pool, job, some, args, solver)
+    else:
+        empty, fresh = _empty(solver, state, rows), np.zeros(rows, bool)
+        some_passes.begin(pool, job, some, empty, fresh, args, solver)
+
+
+def _to(axis: int, starts: Any) -> Any:
+    return jax.tree.map(lambda leaf: jnp.moveaxis(jnp.asarray(leaf), 0, axis), starts)
+
+
+def _state(solver: Solver, problem: Problem, starts: Any, args: Any) -> Any:
+    """Shapes of the state of one start."""
+
+    def first(start: Any) -> Any:
+        return solver.init(problem.program, *problem.enter(start, args))
+
+    return jax.eval_shape(first, jax.tree.map(lambda leaf: leaf[0], starts))
+
+
+def _empty(solver: Solver, state: Any, rows: int) -> Any:
+    """States of rows that are not running, on the device where those of the next call will be."""
+
+    def batch(leaf: Any) -> Any:
+        shape = (rows, *leaf.shape) if solver.batch_axis == 0 else (*leaf.shape, rows)
+        return np.zeros(shape, leaf.dtype)
+
+    return jax.device_put(jax.tree.map(batch, state), jax.local_devices()[0])
+
+
+def _fitting(rows: int, state: Any) -> int:
+    """So many rows, or as many as fit into memory."""
+    one = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
+    most = _chunk_bytes() // max(1, _WORKING_COPIES * one)
+    return rows if rows <= most else max(1, 1 << (int(most).bit_length() - 1))
+
+
+def _chunk_bytes() -> int:
+    device = jax.local_devices()[0]
+    if device.platform == "cpu":
+        return _CPU_BYTES
+    about = device.memory_stats() or {}
+    return int(_DEVICE_SHARE * about.get("bytes_limit", 1 << 33))
+
+
+def _types(of: Any) -> tuple[Hashable, ...]:
+    """What tells compiled programs apart, the number of starts aside."""
+    leaves, tree = jax.tree.flatten(of)
+    return (tree, *(np.shape(leaf)[1:] for leaf in leaves))
