@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from jaxatt.environment.table import EnvironmentTable
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.spacecraft.vehicle import total_momentum
 
 Floats = npt.NDArray[np.float64]
@@ -107,7 +107,7 @@ def orbit_attitude(table: EnvironmentTable, intervals: int) -> Floats:
     return np.array(nodes)
 
 
-def numbers_of(task: Task) -> SlewNumbers:
+def numbers_of(task: SparseTask) -> SlewNumbers:
     """Numbers of a slew in body axes without external torques, waypoints and speed limits.
 
     Raises ValueError for a slew that has them.

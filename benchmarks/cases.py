@@ -6,7 +6,7 @@ import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.scenario import Scenario
 
 HALF_TORQUE = "-half-torque"
@@ -39,6 +39,6 @@ def scenario_of(case: str) -> Scenario:
     return scenarios.replace(scenario, {"vehicle.wheels.torque_limit_Nm": limit.tolist()})
 
 
-def task_of(case: str) -> Task:
-    """Task of a case; `jax_enable_x64` must be on."""
+def task_of(case: str) -> SparseTask:
+    """SparseTask of a case; `jax_enable_x64` must be on."""
     return build_slew(scenario_of(case))

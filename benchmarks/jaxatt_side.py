@@ -15,7 +15,7 @@ from benchmarks.usefulness import reaching, useful
 from jaxatt.problems.hands_off.search.enumeration import classes_up_to, enumerate_class
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
 from jaxatt.problems.hands_off.search.starts import draw
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.chunks import chunk_for, cores, in_chunks
 
 
@@ -102,7 +102,7 @@ def searches(
     )
 
 
-def _useful(task: Task, controls: np.ndarray, case: str) -> float:
+def _useful(task: SparseTask, controls: np.ndarray, case: str) -> float:
     return float(useful(task, controls, BEST_KNOWN[case]).mean())
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 
 ALLOWED = {"attitude": float(np.deg2rad(0.1)), "rate": 1e-4, "state": 1e-5}
@@ -21,18 +21,18 @@ EXCESS = 1e-9
 """Largest excess over a limit, [N m] or units of the toy's control."""
 
 
-def thresholded(task: Task, controls: Floats) -> Floats:
+def thresholded(task: SparseTask, controls: Floats) -> Floats:
     """Controls (S, N, b) with intervals at or below the task's threshold set to zero."""
     size = np.abs(controls).max(axis=-1, keepdims=True)
     return np.where(size <= task.threshold, 0.0, controls)
 
 
-def active_intervals(task: Task, controls: Floats) -> npt.NDArray[np.int64]:
+def active_intervals(task: SparseTask, controls: Floats) -> npt.NDArray[np.int64]:
     """Intervals with a control above the threshold, (S,)."""
     return np.asarray((thresholded(task, controls) != 0.0).any(axis=-1).sum(axis=-1))
 
 
-def reaching(task: Task, controls: Floats) -> npt.NDArray[np.bool_]:
+def reaching(task: SparseTask, controls: Floats) -> npt.NDArray[np.bool_]:
     """(S,) whether the controls (S, N, b) meet the target and the limits when they are flown.
 
     controls : in the task's axes, [N m] for a slew; not clipped here, so an excess counts.
@@ -47,6 +47,6 @@ def reaching(task: Task, controls: Floats) -> npt.NDArray[np.bool_]:
     return np.asarray(within)
 
 
-def useful(task: Task, controls: Floats, best_known: int) -> npt.NDArray[np.bool_]:
+def useful(task: SparseTask, controls: Floats, best_known: int) -> npt.NDArray[np.bool_]:
     """(S,) whether the controls (S, N, b) reach with at most `best_known` active intervals."""
     return reaching(task, controls) & (active_intervals(task, controls) <= best_known)

@@ -348,7 +348,7 @@ for label, (guess, row) in guesses.items():
             label,
             guessed[label].status,
             indices(guessed[label]),
-            f"{1e3 * guessed[label].phases[0].effort:.4f}",
+            f"{1e3 * guessed[label].phases[0].l1_effort:.4f}",
             f"{starts['reached_target']} of {starts['requested']}",
             f"{seconds:.1f}",
             row,
@@ -398,7 +398,7 @@ for axes, row in {"body": "Body-frame {b}", "wheels": "Wheel-frame {w}"}.items()
         [
             axes,
             indices(frames[axes]),
-            f"{1e3 * phase.effort:.6f}",
+            f"{1e3 * phase.l1_effort:.6f}",
             f"{1e3 * np.abs(phase.series['torque_wheels']).max():.4f}",
             f"{seconds:.1f}",
             printed["iterations"],
@@ -544,7 +544,7 @@ table(
             label,
             result.status,
             indices(result),
-            f"{1e3 * result.phases[0].effort:.4f}",
+            f"{1e3 * result.phases[0].l1_effort:.4f}",
             f"{result.summary()['attitude_error_deg']:.1e}",
         ]
         for label, result in forbidden.items()
@@ -573,7 +573,7 @@ table(
             name,
             kind.upper(),
             result.status,
-            f"{result.phases[0].effort:.6f}",
+            f"{result.phases[0].l1_effort:.6f}",
             f"{EXACT:.6f}" if name == "double-integrator" and kind == "l1" else None,
             f"{result.active_intervals * result.phases[0].step:.2f}",
         ]

@@ -108,7 +108,7 @@ table(
             k,
             f"{r.phases[0].final_time:.4f}",
             f"{r.phases[0].step:.4f}",
-            f"{r.phases[0].control_effort:.4f}",
+            f"{r.phases[0].quadratic_effort:.4f}",
             f"{r.summary()['attitude_error_deg']:.1e}",
             f"{100 * r.phases[0].section.share:.0f} %",
         ]
@@ -152,7 +152,7 @@ for index, k in enumerate(WHEELS):
     phases = [swept[k, rho].phases[0] for rho in WEIGHTS]
     style = {"color": colour(index), "marker": "o", "label": f"K = {k}"}
     above.semilogx(WEIGHTS, [phase.final_time for phase in phases], **style)
-    below.semilogx(WEIGHTS, [phase.control_effort for phase in phases], **style)
+    below.semilogx(WEIGHTS, [phase.quadratic_effort for phase in phases], **style)
 above.set_ylabel("final time [s]")
 below.set_ylabel("effort [(N m)$^2$ s]")
 below.set_xlabel(r"$\rho$ [1/(N m)$^2$]")
@@ -166,7 +166,7 @@ table(
         [
             f"{rho:g}",
             *(f"{swept[k, rho].phases[0].final_time:.4f}" for k in WHEELS),
-            *(f"{swept[k, rho].phases[0].control_effort:.4f}" for k in WHEELS),
+            *(f"{swept[k, rho].phases[0].quadratic_effort:.4f}" for k in WHEELS),
         ]
         for rho in WEIGHTS
     ],

@@ -48,7 +48,7 @@ def test_the_final_time_is_that_of_ipopt(name, rho):
     phase = result.phases[0]
     assert result.reached
     assert phase.final_time == pytest.approx(IPOPT[name, rho], abs=2e-5)
-    assert phase.section.cost == pytest.approx(phase.final_time + rho * phase.control_effort)
+    assert phase.section.cost == pytest.approx(phase.final_time + rho * phase.quadratic_effort)
     assert phase.section.share >= 0.5
     assert max(phase.section.kkt.values()) < 1e-5
 
@@ -98,7 +98,7 @@ def test_a_turn_to_where_one_is_takes_no_time():
     result = jaxatt.solve(case, starts=4)
     assert result.reached
     assert result.phases[0].final_time < 1e-3
-    assert result.phases[0].control_effort < 1e-3
+    assert result.phases[0].quadratic_effort < 1e-3
 
 
 def test_the_summary_is_json(tmp_path):

@@ -39,7 +39,7 @@ class Phase:
     errors, tolerances : name -> number: "attitude" [rad], "rate" [rad/s], "waypoint" [rad] or
     others of the family's own.
     objective : named parts of the cost.
-    effort : L1 effort [N m s], or the integral of the absolute controls of another system.
+    l1_effort : L1 effort [N m s], or the integral of the absolute controls of another system.
     reached : whether the flight is within every tolerance and limit.
     failure_reason : what stood in the way if it is not, in words; empty otherwise.
     active : (N,), intervals in which a control is above the threshold.
@@ -60,7 +60,7 @@ class Phase:
     limit_violation: float
     margin_violation: float
     objective: Mapping[str, float]
-    effort: float
+    l1_effort: float
     reached: bool
     failure_reason: str
     active: Flags
@@ -75,7 +75,7 @@ class Phase:
         return self.step * len(self.active)
 
     @property
-    def control_effort(self) -> float:
+    def quadratic_effort(self) -> float:
         """Integral of the summed squared torques of all actuators [(N m)^2 s], or of u^2."""
         names = ("torque_wheels", "torque_thrusters")
         flown = [self.series[name] for name in names if name in self.series] or [self.controls]
@@ -90,6 +90,16 @@ class Phase:
     def total_cost(self) -> float:
         """Sum of all parts of the cost."""
         return float(sum(self.objective.values()))
+
+    @property
+    def effort(self) -> float:
+        """The L1 effort, under its earlier name."""
+        return self.l1_effort
+
+    @property
+    def control_effort(self) -> float:
+        """The quadratic effort, under its earlier name."""
+        return self.quadratic_effort
 
     @property
     def obstacle(self) -> str:

@@ -155,12 +155,18 @@ def _variables(phase: Phase, own: Mapping[str, Label], alternative: bool) -> dic
         "leg_start": labelled(phase.start_time, (), "s", "time at which the leg starts"),
         "reached": labelled(phase.reached, (), "", "whether the flight is within all tolerances"),
         "effort": labelled(
-            phase.effort, (), "N m s" if "q_ob" in phase.series else "1", "L1 effort over all axes"
+            phase.l1_effort,
+            (),
+            "N m s" if "q_ob" in phase.series else "1",
+            "L1 effort over all axes",
         ),
         "final_time": labelled(phase.final_time, (), "s", "length of the leg"),
         "step": labelled(phase.step, (), "s", "length of an interval"),
         "control_effort": labelled(
-            phase.control_effort, (), "N2 m2 s" if "q_ob" in phase.series else "1", "squared effort"
+            phase.quadratic_effort,
+            (),
+            "N2 m2 s" if "q_ob" in phase.series else "1",
+            "squared effort",
         ),
     }
     for name, error in phase.errors.items():

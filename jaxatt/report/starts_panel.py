@@ -31,11 +31,11 @@ def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
     words = "answer" if phase.reached else "answer (does not reach)"
     ringed: dict[str, Any] = {"edgecolor": "black", "zorder": 5}
     answer = ringed | {"s": 170, "c": colour(4), "marker": "*", "label": words}
-    axes.scatter(phase.active_intervals, unit * phase.effort, **answer)
+    axes.scatter(phase.active_intervals, unit * phase.l1_effort, **answer)
     if phase.alternative is not None:
         other, words = phase.alternative, "best that reaches"
         diamond = ringed | {"s": 70, "c": colour(5), "marker": "D", "label": words}
-        axes.scatter(other.active_intervals, unit * other.effort, **diamond)
+        axes.scatter(other.active_intervals, unit * other.l1_effort, **diamond)
     axes.set_xlabel("active intervals")
     axes.set_ylabel(r"$\int |u|\, dt$" if unitless else "L1 effort [mN m s]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))

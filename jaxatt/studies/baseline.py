@@ -21,12 +21,12 @@ class FlownPD:
 
     active : (N,), intervals whose mean body torque is above the threshold of 1e-6 N m.
     errors : name -> number, as in `jaxatt.records.phase.Phase`.
-    effort : L1 effort of the mean body torques [N m s].  cost : the printed cost.
+    l1_effort : L1 effort of the mean body torques [N m s].  cost : the printed cost.
     """
 
     active: Flags
     errors: Mapping[str, float]
-    effort: float
+    l1_effort: float
     cost: float
     reached: bool
 
@@ -56,7 +56,7 @@ def fly_pd_phases(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ..
             FlownPD(
                 active=(np.abs(body[0]) > task.threshold).any(axis=1),
                 errors={name: float(error[0]) for name, error in verdict.errors.items()},
-                effort=float(task.effort(controls)[0]),
+                l1_effort=float(task.l1_effort(controls)[0]),
                 cost=float(sum(part[0] for part in cost.values())),
                 reached=bool(
                     all(error[0] <= verdict.tolerances[n] for n, error in verdict.errors.items())

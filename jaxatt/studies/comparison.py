@@ -296,7 +296,7 @@ def _pd_row(name: str, scenario: scenarios.Scenario, phases: Sequence[FlownPD]) 
         else math.degrees(max(phase.errors["waypoint"] for phase in phases)),
         state_error=None,
         final_time_s=scenario.horizon.duration * len(phases),
-        l1_effort_Nms=sum(phase.effort for phase in phases),
+        l1_effort_Nms=sum(phase.l1_effort for phase in phases),
         objective_total=sum(phase.cost for phase in phases),
         starts_reached=None,
         starts=None,

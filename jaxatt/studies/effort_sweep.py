@@ -61,7 +61,7 @@ class EffortCurve:
             "title": self.scenario.title,
             "effort_weight": path.weights.tolist(),
             "final_time_s": path.final_time.tolist(),
-            "control_effort": path.effort.tolist(),
+            "control_effort": path.quadratic_effort.tolist(),
             "cost_s": path.cost.tolist(),
             "step_s": path.step.tolist(),
             "largest_torque_share": self.saturation.tolist(),
@@ -96,7 +96,7 @@ class EffortSweep:
             return ()
         names = ", ".join(curve.scenario.name for curve in self.curves)
         times = np.diff([curve.path.final_time for curve in self.curves], axis=0)
-        efforts = np.diff([curve.path.effort for curve in self.curves], axis=0)
+        efforts = np.diff([curve.path.quadratic_effort for curve in self.curves], axis=0)
         weights = self.curves[0].path.weights
         return (
             f"Along {names} the time {_along(times < 0.0, weights, 'falls')}.",
@@ -115,7 +115,7 @@ class EffortSweep:
                     curve.scenario.name if i == 0 else "",
                     f"{weight:g}",
                     short(float(path.final_time[i]), 6) + ("" if path.reached[i] else " *"),
-                    short(float(path.effort[i]), 5),
+                    short(float(path.quadratic_effort[i]), 5),
                     f"{100.0 * curve.saturation[i]:.4g} %",
                     ", ".join(f"{r:.3f}" for r in curve.straightness[i]),
                 )
@@ -129,8 +129,8 @@ class EffortSweep:
         for curve in self.curves:
             path, label = curve.path, curve.scenario.name
             left.semilogx(path.weights, path.final_time, ".-", label=label)
-            middle.semilogx(path.weights, path.effort, ".-", label=label)
-            right.plot(path.final_time, path.effort, ".-", label=label)
+            middle.semilogx(path.weights, path.quadratic_effort, ".-", label=label)
+            right.plot(path.final_time, path.quadratic_effort, ".-", label=label)
         left.set_ylabel("final time [s]")
         middle.set_ylabel("effort [(N m)$^2$ s]")
         for axes in (left, middle):

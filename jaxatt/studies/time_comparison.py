@@ -182,7 +182,7 @@ def _row(result: Result) -> TimeRow:
         final_time_s=phase.final_time,
         step_s=phase.step,
         cost_s=optimum.cost,
-        control_effort=phase.control_effort,
+        control_effort=phase.quadratic_effort,
         attitude_error_deg=math.degrees(phase.errors["attitude"]),
         starts=numbers["starts"]["requested"],
         share_at_best=optimum.share,

@@ -82,14 +82,14 @@ def test_a_result_is_reproduced_by_its_seed(usual):
 def test_a_users_guess_near_the_answer_keeps_it(usual):
     result = solve_and_refly(changed({"solver.starts": 4}), guess=usual.phases[0].controls)
     assert result.active_intervals == 2
-    assert result.phases[0].effort <= usual.phases[0].effort * (1 + 1e-6)
+    assert result.phases[0].l1_effort <= usual.phases[0].l1_effort * (1 + 1e-6)
 
 
 @pytest.mark.parametrize("guess", ["pd", "l1"])
 def test_guesses_by_name(guess, usual):
     result = solve_and_refly(changed({}), guess=guess)
     assert result.active_intervals == 2
-    np.testing.assert_allclose(result.phases[0].effort, usual.phases[0].effort, rtol=1e-3)
+    np.testing.assert_allclose(result.phases[0].l1_effort, usual.phases[0].l1_effort, rtol=1e-3)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
@@ -123,7 +123,7 @@ def test_a_hair_away():
     )
     result = solve_and_refly(scenario)
     assert result.active_intervals == 2
-    assert result.phases[0].effort < 1e-4
+    assert result.phases[0].l1_effort < 1e-4
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.005])
@@ -163,7 +163,7 @@ def test_momentum_that_makes_the_long_way_cheaper_is_used(target, rate):
     result = solve_and_refly(scenario)
     assert result.active_intervals <= 2
     on, back = rate, rate + 2 * abs(target) / 68.6
-    assert result.phases[0].effort < 0.0775 * np.deg2rad(on + back) / 2
+    assert result.phases[0].l1_effort < 0.0775 * np.deg2rad(on + back) / 2
 
 
 def test_a_torque_limit_too_small_is_said_to_be_in_the_way():
@@ -246,7 +246,7 @@ def test_wheel_axes_find_as_few_intervals(usual):
     result = solve_and_refly(changed({"control.axes": "wheels"}))
     assert result.phases[0].controls.shape == (50, 4)
     assert result.active_intervals == 2
-    np.testing.assert_allclose(result.phases[0].effort, usual.phases[0].effort, rtol=1e-3)
+    np.testing.assert_allclose(result.phases[0].l1_effort, usual.phases[0].l1_effort, rtol=1e-3)
 
 
 def test_record_of_the_starts(usual):
@@ -257,6 +257,6 @@ def test_record_of_the_starts(usual):
     np.testing.assert_array_equal(record.shortfall <= 1.0, record.reached)
     phase = usual.phases[0]
     assert phase.errors["attitude"] <= phase.tolerances["attitude"]
-    np.testing.assert_allclose(phase.effort, np.abs(phase.controls).sum() * phase.step)
+    np.testing.assert_allclose(phase.l1_effort, np.abs(phase.controls).sum() * phase.step)
     assert set(usual.time) == {"compile", "solve", "verify"}
     assert min(usual.time.values()) >= 0.0

@@ -131,7 +131,7 @@ class Cart(Family):
             limit_violation=0.0,
             margin_violation=0.0,
             objective={"effort": float(found.objective)},
-            effort=float(effort),
+            l1_effort=float(effort),
             reached=reached,
             failure_reason="" if reached else "the target state is missed",
             active=np.abs(found.controls).max(axis=1) > 1e-6,

@@ -54,12 +54,12 @@ def test_a_series_as_long_as_the_intervals_is_held_over_them():
 
 def test_the_effort_is_that_of_the_actuators_and_of_the_controls_where_there_are_none():
     first, _ = two_phases(0)
-    assert first.control_effort == pytest.approx(2.0 * np.sum(first.controls**2))
+    assert first.quadratic_effort == pytest.approx(2.0 * np.sum(first.controls**2))
     wheels, thrusters = np.full((3, 4), 2.0), np.full((3, 1), 1.0)
     both = dataclasses.replace(
         first, series={"torque_wheels": wheels, "torque_thrusters": thrusters}
     )
-    assert both.control_effort == pytest.approx(2.0 * (3 * 4 * 4.0 + 3 * 1.0))
+    assert both.quadratic_effort == pytest.approx(2.0 * (3 * 4 * 4.0 + 3 * 1.0))
     assert squared_effort(np.array([[1.0, 2.0], [3.0, 0.0]]), 0.5) == 7.0
 
 

@@ -32,7 +32,7 @@ def pendulum(**changes):
         limit_violation=0.0,
         margin_violation=0.0,
         objective={"time": 5.0, "push": 2.0},
-        effort=3.0,
+        l1_effort=3.0,
         reached=True,
         failure_reason="",
         active=np.ones(10, bool),

@@ -60,5 +60,5 @@ def test_a_toy_knows_neither_pd_nor_windows(solved, tmp_path):
 def test_the_pd_law_starts_a_leg_where_the_last_one_ended():
     first, second = fly_pd_phases(scenarios.load("hypso1-path-two"))
     assert first.reached and second.reached
-    assert second.effort == pytest.approx(first.effort, rel=0.05)
+    assert second.l1_effort == pytest.approx(first.l1_effort, rel=0.05)
     assert second.active.any()

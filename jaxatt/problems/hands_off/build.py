@@ -34,7 +34,7 @@ def build_slew(
     final_time: float | None = None,
     start_time: float | None = None,
 ) -> SlewTask:
-    """Task of one phase of a scenario.
+    """SparseTask of one phase of a scenario.
 
     phase : index into `scenario.targets`.  initial_state : where the phase begins, by default where
     the scenario does; successive phases hand over the flown end of the one before.

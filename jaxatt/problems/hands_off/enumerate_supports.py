@@ -18,7 +18,7 @@ from jaxatt.problems.hands_off.search.enumeration import (
     masks_of,
 )
 from jaxatt.problems.hands_off.search.polish import Method, polish
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report, chunk_for
 
@@ -28,7 +28,7 @@ _SECONDS_A_SUPPORT = 2e-4
 
 
 def certify_support(
-    task: Task, phase: Phase, most: int, seed: int, report: Report | None
+    task: SparseTask, phase: Phase, most: int, seed: int, report: Report | None
 ) -> PhaseCertificate:
     """Try the supports that cost less than a phase's answer, and those that cost as much.
 
@@ -84,7 +84,7 @@ def _finds(records: Sequence[ClassRecord], support: npt.NDArray[np.int64]) -> bo
 
 
 def _best(
-    task: Task, records: Sequence[ClassRecord], rows: int
+    task: SparseTask, records: Sequence[ClassRecord], rows: int
 ) -> tuple[npt.NDArray[np.int64] | None, float | None, bool]:
     """The support of least L1 effort among those that reach, polished and verified in flight."""
     ways: list[tuple[float, npt.NDArray[np.int64], float]] = []

@@ -20,7 +20,8 @@ from jaxatt.problems.hands_off.report.sections import HANDS_OFF
 from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.flight import fly_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Flown, Task
+from jaxatt.problems.hands_off.sparse_program import DecidedBy
+from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
@@ -33,7 +34,7 @@ from jaxatt.runtime.chunks import Report
 class SparseAnswer(NamedTuple):
     """Outcome of the search of one phase; tried : final times, where it is free."""
 
-    task: Task
+    task: SparseTask
     found: Found
     tried: FinalTimes | None
 
@@ -70,7 +71,7 @@ class SparseFamily(Family):
             super().check_certifiable(scenario)
         reaching = replace(scenario, objective=replace(scenario.objective, terminal="reach"))
         task = self.build(reaching, PhaseStart())(reaching)
-        if task.system.response is None or task.watches:
+        if task.system.decided_by in (DecidedBy.STAGES, DecidedBy.LAGRANGIAN) or task.watches:
             raise ScenarioError(
                 f"{scenario.name}: has path constraints (wheel speed limits, cones, limits on the "
                 "rate), under which supports cannot be tried one by one; certify it without them"

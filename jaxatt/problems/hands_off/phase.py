@@ -16,7 +16,7 @@ from jaxatt.problems.hands_off.search.candidates import Candidates
 from jaxatt.problems.hands_off.search.quantise import MODES, quantise
 from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Flown, Task
+from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
@@ -32,7 +32,7 @@ Fly = Callable[[Any, Floats], Flown]
 
 def phase_record(
     scenario: Scenario,
-    task: Task,
+    task: SparseTask,
     found: Found,
     start_time: float,
     final_times: FinalTimes | None,
@@ -54,7 +54,7 @@ def phase_record(
 
 def _flown_phase(
     scenario: Scenario,
-    task: Task,
+    task: SparseTask,
     found: Found,
     answer: Candidates,
     start_time: float,
@@ -73,7 +73,7 @@ def _flown_phase(
         status=starts.status,
         reached=starts.verdict.reached,
         active_intervals=(np.abs(starts.controls) > task.threshold).any(axis=2).sum(axis=1),
-        effort=task.effort(starts.controls),
+        effort=task.l1_effort(starts.controls),
         long_way=starts.sign < 0,
         iterations=starts.iterations,
         shortfall=starts.verdict.shortfall,
@@ -92,7 +92,7 @@ def _flown_phase(
         limit_violation=float(verdict.limit_violation[0]),
         margin_violation=float(verdict.margin_violation[0]),
         objective={name: float(value[0]) for name, value in flown.cost.items()},
-        effort=float(task.effort(controls)[0]),
+        l1_effort=float(task.l1_effort(controls)[0]),
         reached=reached,
         failure_reason="" if reached else _failure_reason(task, answer, flown.pointing),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
@@ -111,7 +111,7 @@ def _flown_phase(
 
 
 def _valves(
-    scenario: Scenario, task: Task, controls: Floats, sign: float, aims: bool
+    scenario: Scenario, task: SparseTask, controls: Floats, sign: float, aims: bool
 ) -> tuple[Valves, ...]:
     """The answer with thrusters open or shut, as the scenario wants it and the other way."""
     wanted = scenario.control.quantisation
@@ -138,7 +138,9 @@ def _valves(
     )
 
 
-def _failure_reason(task: Task, answer: Candidates, pointing: PointingRecord | None = None) -> str:
+def _failure_reason(
+    task: SparseTask, answer: Candidates, pointing: PointingRecord | None = None
+) -> str:
     """Which constraint is in the way of the closest answer, in words."""
     saturated = task.saturated_intervals(answer.controls[0])
     binding: tuple[str, ...] = ()

@@ -15,14 +15,14 @@ from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.search import Found, search
 from jaxatt.problems.hands_off.search.time_cost import Pricing
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
 GUESSES = ("pulses", "pd", "l1")
 
-Build = Callable[..., Task]
+Build = Callable[..., SparseTask]
 """(scenario, enforce_speed_limits, final_time) -> the task of a given phase."""
 
 
@@ -32,20 +32,21 @@ def search_phase(
     guess: str | Floats,
     inner: str,
     report: Report | None,
-) -> tuple[Task, Found, FinalTimes | None]:
-    """Task of a phase, what was found for it, and the final times that were tried, if it is free.
+) -> tuple[SparseTask, Found, FinalTimes | None]:
+    """SparseTask of a phase, what was found for it, and the final times that were tried, if it is
+    free.
 
     Path constraints are left out at first, see `limited_search`; so are they at other final times.
     """
     count, seed, horizon = scenario.solver.starts, scenario.solver.seed, scenario.horizon
 
-    def attempt(final_time: float) -> tuple[Task, Found]:
+    def attempt(final_time: float) -> tuple[SparseTask, Found]:
         task = build(scenario, enforce_speed_limits=False, final_time=final_time)
         start = _guess(scenario, build, task, guess)
         limited = search_within_limits(task, count, seed, start, inner, report)
         return limited.task, limited.found
 
-    def rebuild(task: Task, final_time: float) -> Task:
+    def rebuild(task: SparseTask, final_time: float) -> SparseTask:
         again = build(scenario, enforce_speed_limits=False, final_time=final_time)
         if isinstance(task, SlewTask) and isinstance(again, SlewTask):
             return again.enforcing(task.constraint_margin, task.form.speed_limited)
@@ -75,7 +76,7 @@ def _record(pricing: Pricing, timed: Timed) -> FinalTimes:
 def _guess(
     scenario: Scenario,
     build: Build,
-    task: Task,
+    task: SparseTask,
     guess: str | Floats,
 ) -> Floats | None:
     if not isinstance(guess, str):

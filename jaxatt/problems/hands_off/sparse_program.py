@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from enum import StrEnum
 from typing import Any
 
 import jax
@@ -45,6 +46,15 @@ class SparseArguments:
     row_weight: Array
 
 
+class DecidedBy(StrEnum):
+    """How the support of a system's controls is decided and, where it is given, settled."""
+
+    CONDENSED = "reweighted Newton steps on the rows at the end"
+    STAGES = "reweighted Riccati steps, interval by interval"
+    BOUNDS = "reweighted steps between bounds"
+    LAGRANGIAN = "the augmented Lagrangian"
+
+
 @dataclass(frozen=True)
 class SparseSystem:
     """A controlled system, in scaled controls u (N, b).
@@ -64,6 +74,7 @@ class SparseSystem:
         given instead of `limits` where controls are one-sided, as thrusters are.
     path : (u, plant) -> (K,) and (N, K, b), path constraints where they are worst, non-negative
         when satisfied, and their derivatives, for systems with `bounds`; None without any.
+    decided_by : how supports are decided, unless the caller wants another way.
     label : the same words in every process for what compiles to the same, so that programs can be
         kept; None where they are not.
     stages : number of controls b -> the same system interval by interval, without cost and
@@ -83,6 +94,7 @@ class SparseSystem:
     bounds: Callable[[Any], tuple[Array, Array]] | None = None
     path: Callable[[Any, Any], tuple[Array, Array]] | None = None
     stages: Callable[[int], OptimalControlProgram] | None = None
+    decided_by: DecidedBy = DecidedBy.LAGRANGIAN
     label: str | None = None
 
 

@@ -70,7 +70,7 @@ class Flown:
     pointing: PointingRecord | None = None
 
 
-class Task(ABC):
+class SparseTask(ABC):
     """A sparse control problem over N intervals with b scaled controls each."""
 
     system: SparseSystem
@@ -137,7 +137,7 @@ class Task(ABC):
         """Compile ahead, in threads of a pool, what `verify` runs; nothing, if that is little."""
 
     @abstractmethod
-    def effort(self, controls: Floats) -> Floats:
+    def l1_effort(self, controls: Floats) -> Floats:
         """L1 effort (S,): the sum over intervals and axes of |control| times the step."""
 
     def slack_sum(self, controls: Floats) -> Floats:

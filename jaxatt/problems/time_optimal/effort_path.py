@@ -29,14 +29,14 @@ _WARM = InteriorSettings(barrier=1e-2)
 class EffortPath:
     """Optima of one task for R weights, the weights rising.
 
-    weights : (R,) [1/(N m)^2].  final_time, cost : (R,) [s].  effort : (R,) [(N m)^2 s].
+    weights : (R,) [1/(N m)^2].  final_time, cost : (R,) [s].  quadratic_effort : (R,) [(N m)^2 s].
     torques : (R, N, n + m) [N m].  step : (R,) [s].
     converged, reached : (R,), by the solver's test and by flights with fine steps.
     """
 
     weights: Floats
     final_time: Floats
-    effort: Floats
+    quadratic_effort: Floats
     cost: Floats
     torques: Floats
     step: Floats
@@ -74,7 +74,7 @@ def effort_path(
     return EffortPath(
         weights,
         task.intervals * step,
-        task.effort(torques, step),
+        task.quadratic_effort(torques, step),
         np.concatenate([f.cost for f in found]),
         torques,
         step,

@@ -64,7 +64,7 @@ def time_record(
     pointing = _pointing(task, found)
     verdict = found.verdict.pick(np.array([best]))
     reached = bool(verdict.reached[0])
-    effort = float(task.effort(torque, np.asarray(step)))
+    effort = float(task.quadratic_effort(torque, np.asarray(step)))
     count = task.intervals
     series = flown_series(flown)
     if n:
@@ -96,7 +96,7 @@ def time_record(
         limit_violation=float(verdict.limit_violation[0]),
         margin_violation=float(verdict.margin_violation[0]),
         objective={"time": final, "effort": scenario.objective.effort_weight * effort},
-        effort=float(np.abs(torque).sum() * step),
+        l1_effort=float(np.abs(torque).sum() * step),
         reached=reached,
         failure_reason=""
         if reached

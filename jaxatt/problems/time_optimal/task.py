@@ -284,13 +284,13 @@ class ReorientationTask:
         )
         return ObservedPath(self.pointing, angles, np.abs(np.asarray(flown.omega_ib)))
 
-    def effort(self, torque: Floats, step: Floats) -> Floats:
+    def quadratic_effort(self, torque: Floats, step: Floats) -> Floats:
         """Integral of the sum of squared torques, (S,) [(N m)^2 s]."""
         return np.asarray((torque**2).sum(axis=(-2, -1)) * step)
 
     def cost(self, torque: Floats, step: Floats) -> Floats:
         """Final time and weighted effort, (S,) [s]; eq. (22) of the source with all N terms."""
-        return self.intervals * step + self.goal.effort_weight * self.effort(torque, step)
+        return self.intervals * step + self.goal.effort_weight * self.quadratic_effort(torque, step)
 
 
 # NumPy, not JAX: an array made at import would start the backend before `configure` has set it up.

@@ -15,8 +15,8 @@ import numpy as np
 from jax import Array, lax
 
 from jaxatt.problems.hands_off import sparsity
-from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
-from jaxatt.problems.hands_off.task import Goal, Task
+from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseArguments, SparseSystem
+from jaxatt.problems.hands_off.task import Goal, SparseTask
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
@@ -107,6 +107,7 @@ def toy_system(name: str, substeps: int) -> SparseSystem:
         response=response if system.margin is None else None,
         limits=lambda p: jnp.ones((1, 1)),
         stage_margins=lambda u, p: jnp.concatenate([1.0 - u, 1.0 + u], axis=1),
+        decided_by=DecidedBy.CONDENSED if system.margin is None else DecidedBy.LAGRANGIAN,
     )
 
 
@@ -115,7 +116,7 @@ def _fly_many(name: str, controls: Array, p: ToyParameters, substeps: int) -> Ar
     return jax.vmap(lambda u: simulate(SYSTEMS[name], u[:, 0], p, substeps))(controls)
 
 
-class ToyTask(Task):
+class ToyTask(SparseTask):
     """Drive a toy system from one state to another with a sparse control."""
 
     threshold = 1e-6
@@ -186,14 +187,14 @@ class ToyTask(Task):
         )
         return verdict, self.cost(controls)
 
-    def effort(self, controls: Floats) -> Floats:
+    def l1_effort(self, controls: Floats) -> Floats:
         """L1 effort, the integral of |u|, (S,)."""
         return np.asarray(np.abs(controls).sum(axis=(-2, -1)) * self.step)
 
     def cost(self, controls: Floats) -> dict[str, Floats]:
         """Printed cost: the L1 norm as an integral, or the relaxed count of section 3.7.5."""
         if self.goal.kind == "l1":
-            return {"l1": self.effort(controls)}
+            return {"l1": self.l1_effort(controls)}
         xi = sparsity.complementarity_vector(controls, self.goal.epsilon)
         return {"sparsity": (1.0 - xi).sum(axis=1)}
 

@@ -105,7 +105,7 @@ def test_time_that_costs_nothing_is_not_worse_than_the_longest_fixed_one(kind):
     changes = {"horizon": horizon, "objective.time_weight_1_s": None}
     fixed = jaxatt.solve(scenarios.replace(free(1.7, 0.0, kind), changes)).phases[0]
     assert result.active_intervals <= fixed.active_intervals
-    assert result.effort <= fixed.effort * (1.0 + 1e-9)
+    assert result.l1_effort <= fixed.l1_effort * (1.0 + 1e-9)
 
 
 def test_a_target_that_is_the_start_takes_no_time():

@@ -153,7 +153,9 @@ def test_body_and_wheel_axes_are_the_same_problem(scenario):
     second, same = wheels.verify(body.wheel_torque(torque)[None])
     for key, value in first.errors.items():
         np.testing.assert_allclose(value, second.errors[key], atol=1e-10)
-    np.testing.assert_allclose(body.effort(torque[None]), wheels.effort(wheels.scale * v[None]))
+    np.testing.assert_allclose(
+        body.l1_effort(torque[None]), wheels.l1_effort(wheels.scale * v[None])
+    )
     np.testing.assert_allclose(cost["attitude"], same["attitude"], rtol=1e-8)
 
 
@@ -186,7 +188,7 @@ def test_effort_is_the_integral_of_the_body_torque(task):
     controls = task.to_controls(random_u(task, 5)[None])
     axes = np.asarray(task.craft.wheels.axes)
     body = controls if task.axes == "body" else controls @ axes.T
-    np.testing.assert_allclose(task.effort(controls), np.abs(body).sum() * 1.4, rtol=1e-12)
+    np.testing.assert_allclose(task.l1_effort(controls), np.abs(body).sum() * 1.4, rtol=1e-12)
 
 
 def test_printed_cost_of_doing_nothing():

@@ -74,7 +74,7 @@ def test_van_der_pol_reports_how_far_the_bound_is_broken():
 def test_controls_are_clipped_and_thresholded(task):
     u = np.array([[[2.0], [-3.0], [0.5], [1e-7], [-1e-7]]])
     np.testing.assert_array_equal(task.to_controls(u)[0, :, 0], [1.0, -1.0, 0.5, 0.0, 0.0])
-    np.testing.assert_allclose(task.effort(task.to_controls(u)), 2.5 * task.step)
+    np.testing.assert_allclose(task.l1_effort(task.to_controls(u)), 2.5 * task.step)
 
 
 def test_analytic_optimum_of_the_double_integrator_arrives():
@@ -91,5 +91,5 @@ def test_analytic_optimum_of_the_double_integrator_arrives():
     control = (-share(0.0, switch_on) + share(switch_off, 5.0))[None, :, None]
     verdict, _ = task.verify(control)
     assert verdict.errors["state"][0] < 2e-3  # partial intervals at the switches are averaged
-    np.testing.assert_allclose(task.effort(control), 1.837722, atol=1e-6)
-    np.testing.assert_allclose(task.effort(control), switch_on + 5.0 - switch_off, rtol=1e-9)
+    np.testing.assert_allclose(task.l1_effort(control), 1.837722, atol=1e-6)
+    np.testing.assert_allclose(task.l1_effort(control), switch_on + 5.0 - switch_off, rtol=1e-9)

@@ -33,7 +33,7 @@ def _phase_numbers(phase: PhaseCertificate) -> dict[str, Any]:
         "active_intervals": phase.found.active_intervals,
         "active_interval_indices": np.flatnonzero(phase.found.active).tolist(),
         "weighted_cost": phase.found_cost,
-        "l1_effort_Nms": phase.found.effort,
+        "l1_effort_Nms": phase.found.l1_effort,
         "minimal": phase.minimal,
         "classes": [
             {

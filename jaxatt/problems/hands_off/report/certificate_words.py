@@ -66,7 +66,7 @@ def _phase_sentences(phase: PhaseCertificate) -> list[str]:
                 f"that cost as much, about {duration_text(record.seconds)}."
             )
     if phase.best is not None and phase.best_effort is not None:
-        same = phase.best_effort >= phase.found.effort * (1.0 - 1e-6)
+        same = phase.best_effort >= phase.found.l1_effort * (1.0 - 1e-6)
         way = ", the long way round" if phase.best_long else ""
         effort = f"{short(phase.best_effort)} N m s,"
         told.append(
@@ -74,7 +74,7 @@ def _phase_sentences(phase: PhaseCertificate) -> list[str]:
             + (
                 " the answer's own effort."
                 if same
-                else f" less than the answer's {short(phase.found.effort)}."
+                else f" less than the answer's {short(phase.found.l1_effort)}."
             )
         )
     return told

@@ -18,12 +18,12 @@ from jaxatt.problems.hands_off.search.polish import (
     reweighting,
     spending,
 )
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.chunks import cores
 
 
 @contextmanager
-def compiled_ahead(task: Task, method: Method) -> Iterator[None]:
+def compiled_ahead(task: SparseTask, method: Method) -> Iterator[None]:
     """Begin with what `decide`, `polish` and the flights run; at the end nothing is at work.
 
     Of slews by pulses to a target all of it, in the order in which it is needed; of others only the

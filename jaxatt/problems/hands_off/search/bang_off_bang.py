@@ -18,7 +18,7 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
 from jaxatt.problems.hands_off.search.polish import Method, polish, screen
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 
 _NEARLY_HARD = 1e5
@@ -29,7 +29,7 @@ _NEAREST = BoundedReweighting(
 )
 
 
-def bang_off_bang_supports(task: Task, shapes: Iterable[tuple[int, int]]) -> Mask:
+def bang_off_bang_supports(task: SparseTask, shapes: Iterable[tuple[int, int]]) -> Mask:
     """Supports (S, N, 1) of the first a and the last b intervals that are allowed."""
     allowed = np.flatnonzero((np.asarray(task.arguments.free) > 0).any(axis=1))
     made = []
@@ -41,19 +41,19 @@ def bang_off_bang_supports(task: Task, shapes: Iterable[tuple[int, int]]) -> Mas
     return np.unique(np.stack(made), axis=0)
 
 
-def _both_ways(task: Task, supports: Mask) -> tuple[Floats, Mask, Floats]:
+def _both_ways(task: SparseTask, supports: Mask) -> tuple[Floats, Mask, Floats]:
     """Controls at rest, the supports twice, and the way round, 1 then -1."""
     twice = np.concatenate([supports, supports])
     sign = np.repeat([1.0, -1.0], len(supports))
     return np.zeros((len(twice), task.intervals, task.size)), twice, sign
 
 
-def try_bang_off_bang(task: Task, size: int, method: Method) -> Candidates:
+def try_bang_off_bang(task: SparseTask, size: int, method: Method) -> Candidates:
     """Every support of `size` intervals in two bursts, both ways round, flown and judged."""
     return screen(task, *_both_ways(task, bang_off_bang_supports(task, _shapes(size))), method)
 
 
-def nearest_bursts(task: Task, size: int, method: Method, attempts: int = 4) -> Candidates:
+def nearest_bursts(task: SparseTask, size: int, method: Method, attempts: int = 4) -> Candidates:
     """As `try_bang_off_bang`, but each support ends as near to the target as it can, reached or
     not.
 
@@ -77,7 +77,7 @@ def _shapes(size: int) -> list[tuple[int, int]]:
     return [(first, size - first) for first in range(size + 1)]
 
 
-def cheapest_bursts(task: Task, most: int, method: Method) -> Candidates:
+def cheapest_bursts(task: SparseTask, most: int, method: Method) -> Candidates:
     """A first burst of every length up to `most`, alone or with as long a one at the end."""
     shapes = [(first, last) for first in range(1, most + 1) for last in (0, first)]
     return polish(task, *_both_ways(task, bang_off_bang_supports(task, shapes)), method)

@@ -13,7 +13,7 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.batch import Form, Lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, Progress
 
@@ -39,7 +39,7 @@ _TIGHT = 1e-7
 
 
 def polish_bounded(
-    task: Task,
+    task: SparseTask,
     form: Form,
     lanes: Lanes,
     arguments: SparseArguments,
@@ -73,7 +73,7 @@ def polish_bounded(
     return settled.where(~cheaper, whole)
 
 
-def bounds_of(task: Task) -> tuple[Array, Array]:
+def bounds_of(task: SparseTask) -> tuple[Array, Array]:
     """Limits (b,) of a task's scaled controls."""
     bounds = task.system.bounds
     assert bounds is not None

@@ -21,7 +21,7 @@ from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, jo
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
 from jaxatt.problems.hands_off.search.starts import draw
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 
 _IMPROVED = 2
@@ -42,7 +42,7 @@ class BoundedFound:
 
 
 def search_bounded(
-    task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
+    task: SparseTask, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> BoundedFound:
     """Answers to a task whose system has bounds; see `search.search`."""
     if task.goal.terminal == "penalty":
@@ -57,7 +57,7 @@ def search_bounded(
 
 
 def from_bounded_starts(
-    task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
+    task: SparseTask, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> Candidates:
     """What `count` starts find by themselves."""
     scaled = None if guess is None else task.from_controls(guess)
@@ -75,7 +75,7 @@ def from_bounded_starts(
     return pruned.where(pruned.verdict.reached | ~ended.verdict.reached, ended)
 
 
-def _rescued(task: Task, method: MakeMethod) -> list[Candidates]:
+def _rescued(task: SparseTask, method: MakeMethod) -> list[Candidates]:
     """Bursts at both ends, longer and longer until some arrive."""
     size = 2
     while size <= task.intervals:
@@ -86,7 +86,7 @@ def _rescued(task: Task, method: MakeMethod) -> list[Candidates]:
     return []
 
 
-def _shortened(task: Task, pool: Candidates, method: MakeMethod) -> Candidates:
+def _shortened(task: SparseTask, pool: Candidates, method: MakeMethod) -> Candidates:
     """The pool with the shortest pair of bursts that arrives, if it beats what is there."""
     best = pool.pick(pool.order(True)[0])
     if not best.verdict.reached[0]:
@@ -105,7 +105,9 @@ def _shortened(task: Task, pool: Candidates, method: MakeMethod) -> Candidates:
     return join(pool, found, polish(task, u, supports, found.sign, method("l0", "polishing")))
 
 
-def _improved(task: Task, pool: Candidates, method: MakeMethod, reached_first: bool) -> Candidates:
+def _improved(
+    task: SparseTask, pool: Candidates, method: MakeMethod, reached_first: bool
+) -> Candidates:
     moving = method("l0", "moving single intervals")
     order = pool.order(reached_first)[:_IMPROVED]
     usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
@@ -114,7 +116,7 @@ def _improved(task: Task, pool: Candidates, method: MakeMethod, reached_first: b
 
 
 def _cheapest(
-    task: Task, count: int, seed: int, guess: Floats | None, method: MakeMethod
+    task: SparseTask, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> BoundedFound:
     starts = from_bounded_starts(task, count, seed, guess, method)
     most = min(_LONGEST_BURST, task.intervals // 2)

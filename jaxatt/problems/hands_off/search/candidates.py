@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Floats
 
@@ -68,17 +68,17 @@ def join(*parts: Candidates) -> Candidates:
     )
 
 
-def support_of(task: Task, controls: Floats) -> Mask:
+def support_of(task: SparseTask, controls: Floats) -> Mask:
     """Active groups of one control history, (N, g): g = 1 when an interval counts as one."""
     active: Mask = np.abs(controls) > task.threshold
     return np.any(active, axis=-1, keepdims=True) if task.shared else active
 
 
-def _rank(task: Task, controls: Floats, cost: Floats | None) -> Floats:
+def _rank(task: SparseTask, controls: Floats, cost: Floats | None) -> Floats:
     weight = np.asarray(task.arguments.weight)[:, None]
     supports = np.stack([support_of(task, c) for c in controls])
     count = supports.sum(axis=(1, 2)).astype(float)
-    effort = task.effort(controls)
+    effort = task.l1_effort(controls)
     if cost is not None:
         return np.stack([cost, count, effort], axis=1)
     if task.goal.kind == "l1":
@@ -88,7 +88,7 @@ def _rank(task: Task, controls: Floats, cost: Floats | None) -> Floats:
 
 
 def evaluate(
-    task: Task,
+    task: SparseTask,
     u: Floats,
     status: npt.NDArray[np.int64],
     iterations: npt.NDArray[np.int64],

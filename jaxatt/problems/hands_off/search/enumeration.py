@@ -19,7 +19,7 @@ from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.reweighting.weights import Reweighting
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
 from jaxatt.problems.hands_off.search.polish import SCREENING, SETTLED, Method, polish, reweight
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Flags, Floats
 
 _FROM_REST = Reweighting(deciding=0, settling=10)
@@ -73,7 +73,7 @@ class Enumerated:
     seconds: float
 
 
-def group_weights(task: Task) -> Floats:
+def group_weights(task: SparseTask) -> Floats:
     """Weight of every group, (N, g); nan where no control is allowed."""
     groups = 1 if task.shared else task.size
     weight = np.broadcast_to(np.asarray(task.arguments.weight)[:, None], (task.intervals, groups))
@@ -81,7 +81,7 @@ def group_weights(task: Task) -> Floats:
     return np.where(allowed, weight, np.nan)
 
 
-def classes_up_to(task: Task, cost: float) -> list[SupportClass]:
+def classes_up_to(task: SparseTask, cost: float) -> list[SupportClass]:
     """All classes of supports that cost at most `cost`, the cheapest first."""
     weight = group_weights(task)
     levels, available = np.unique(weight[~np.isnan(weight)], return_counts=True)
@@ -97,7 +97,7 @@ def classes_up_to(task: Task, cost: float) -> list[SupportClass]:
     return sorted((c for c in found if c.cost <= limit), key=lambda c: (c.cost, c.size))
 
 
-def _supports(task: Task, kind: SupportClass) -> Iterator[list[tuple[int, int]]]:
+def _supports(task: SparseTask, kind: SupportClass) -> Iterator[list[tuple[int, int]]]:
     weight = group_weights(task)
     places = [[(int(k), int(g)) for k, g in np.argwhere(weight == w)] for w in kind.weights]
     choices = [itertools.combinations(p, c) for p, c in zip(places, kind.counts, strict=True)]
@@ -105,7 +105,7 @@ def _supports(task: Task, kind: SupportClass) -> Iterator[list[tuple[int, int]]]
         yield sorted(itertools.chain.from_iterable(parts))
 
 
-def masks_of(task: Task, groups: npt.NDArray[np.int64]) -> Mask:
+def masks_of(task: SparseTask, groups: npt.NDArray[np.int64]) -> Mask:
     """Supports (S, N, g) from the groups (S, K, 2) that are active in them."""
     masks: Mask = np.zeros((len(groups), task.intervals, 1 if task.shared else task.size), bool)
     for column in range(groups.shape[1]):
@@ -114,7 +114,11 @@ def masks_of(task: Task, groups: npt.NDArray[np.int64]) -> Mask:
 
 
 def try_supports(
-    task: Task, groups: npt.NDArray[np.int64], sign: float, method: Method, u: Floats | None = None
+    task: SparseTask,
+    groups: npt.NDArray[np.int64],
+    sign: float,
+    method: Method,
+    u: Floats | None = None,
 ) -> tuple[Floats, Floats, Flags]:
     """Controls (S, N, b) with the least effort on supports (S, K, 2), and their residuals (S,).
 
@@ -129,7 +133,7 @@ def try_supports(
 
 
 def enumerate_class(
-    task: Task,
+    task: SparseTask,
     kind: SupportClass,
     sign: float,
     method: Method,
@@ -162,7 +166,7 @@ def enumerate_class(
             u[better], residual[better] = again[rest < residual[left]], rest[rest < residual[left]]
             saturated[left] |= bound
         reached = residual <= SETTLED
-        effort = np.where(reached, task.effort(task.to_controls(np.nan_to_num(u))), np.nan)
+        effort = np.where(reached, task.l1_effort(task.to_controls(np.nan_to_num(u))), np.nan)
         stuck = np.flatnonzero(~reached & saturated)
         if thorough and len(stuck):
             nothing = np.zeros((len(stuck), task.intervals, task.size))
@@ -175,7 +179,7 @@ def enumerate_class(
     return Enumerated(joined[0], joined[1], joined[2], joined[3], time.perf_counter() - began)
 
 
-def from_pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:
+def from_pairs(task: SparseTask, method: Method, count: int) -> tuple[Floats, Mask] | None:
     """Controls and supports of the `count` pairs of active groups that reach with least effort.
 
     Where an answer needs so little torque that pulses far apart fall below the threshold, random
@@ -192,5 +196,5 @@ def from_pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | 
     usable = np.flatnonzero((residual <= SETTLED) & kept)
     if not len(usable):
         return None
-    best = usable[np.argsort(task.effort(controls[usable]))[:count]]
+    best = usable[np.argsort(task.l1_effort(controls[usable]))[:count]]
     return u[best], masks_of(task, groups[best])

@@ -37,10 +37,10 @@ from jaxatt.problems.hands_off.search.time_cost import (
     Trial,
     cheaper,
 )
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.chunks import Report
 
-Attempt = Callable[[float], tuple[Task, Found]]
+Attempt = Callable[[float], tuple[SparseTask, Found]]
 """Final time [s] -> a task and all that a search finds there."""
 
 _SCAN = 8
@@ -62,7 +62,7 @@ class Timed:
     trials : every final time that was tried, in order.
     """
 
-    task: Task
+    task: SparseTask
     found: Found
     cost: float
     trials: tuple[Trial, ...]

@@ -19,7 +19,7 @@ from jaxatt.problems.hands_off.search.candidates import support_of
 from jaxatt.problems.hands_off.search.polish import SCREENING, Method, polish
 from jaxatt.problems.hands_off.search.time_cost import Ledger, Offer, Rebuild, cheaper
 from jaxatt.problems.hands_off.search.time_dilation import dilate_time
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 
 TOLERANCE = 1e-4
 """Relative width to which bisection narrows a least final time."""
@@ -149,7 +149,7 @@ def _worth(count: float, best: Offer, ledger: Ledger) -> float | None:
     return final_time if final_time >= pricing.lowest else None
 
 
-def _changed(task: Task, support: Mask) -> list[Mask]:
+def _changed(task: SparseTask, support: Mask) -> list[Mask]:
     """Supports that are tried instead of one."""
     free: Mask = np.asarray(task.arguments.free) > 0
     allowed: Mask = np.any(free, axis=1, keepdims=True) if task.shared else free

@@ -17,7 +17,7 @@ from jaxatt.problems.hands_off.search.candidates import Candidates, better, join
 from jaxatt.problems.hands_off.search.polish import Method, polish
 from jaxatt.problems.hands_off.search.search import Found, chosen, search
 from jaxatt.problems.hands_off.slew.task import SlewTask
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
@@ -38,13 +38,13 @@ class Limited:
         then the rates, as a share; None where the search did not need them.
     """
 
-    task: Task
+    task: SparseTask
     found: Found
     constraint_margin: Floats | None
 
 
 def search_within_limits(
-    task: Task,
+    task: SparseTask,
     count: int,
     seed: int,
     guess: Floats | None = None,

@@ -7,12 +7,14 @@ import numpy as np
 from jaxatt.optimize.reweighting.support import neighbours
 from jaxatt.problems.hands_off.search.candidates import Candidates, better, support_of
 from jaxatt.problems.hands_off.search.polish import Method, polish, screen
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 
 _ROUNDS = 12
 
 
-def improve(task: Task, candidate: Candidates, method: Method, tried: set[bytes]) -> Candidates:
+def improve(
+    task: SparseTask, candidate: Candidates, method: Method, tried: set[bytes]
+) -> Candidates:
     """Drop and move single intervals of a support for as long as that makes it better.
 
     tried : supports that were polished before and need not be again; grows as the search goes on.
@@ -38,7 +40,7 @@ def improve(task: Task, candidate: Candidates, method: Method, tried: set[bytes]
     return _finished(task, candidate, method)
 
 
-def _finished(task: Task, candidate: Candidates, method: Method) -> Candidates:
+def _finished(task: SparseTask, candidate: Candidates, method: Method) -> Candidates:
     """The candidate polished to the end, where that makes it better."""
     support = support_of(task, candidate.controls[0])[None]
     ended = polish(task, task.from_controls(candidate.controls), support, candidate.sign, method)

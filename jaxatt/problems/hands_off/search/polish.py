@@ -24,8 +24,8 @@ from jaxatt.problems.hands_off.search.bounded_batch import DECIDE, DECIDE_SLOWLY
 from jaxatt.problems.hands_off.search.bounded_batch import SETTLE as SETTLE_BETWEEN
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join
 from jaxatt.problems.hands_off.search.starts import Starts
-from jaxatt.problems.hands_off.sparse_program import SparseArguments
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseArguments
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, Progress
 
@@ -81,7 +81,7 @@ class Method:
     progress: Progress | None = None
 
     def run(
-        self, task: Task, solver: Solver, kind: str, lanes: Lanes, arguments: SparseArguments
+        self, task: SparseTask, solver: Solver, kind: str, lanes: Lanes, arguments: SparseArguments
     ) -> Any:
         """Results of a solver from all lanes; kind : of the programme, see `Form`."""
         form = Form(task.system, task.shared, kind, task.size)
@@ -92,51 +92,53 @@ class Method:
         inner = "gauss-newton" if self.inner == "riccati" else self.inner
         return AugmentedLagrangian(schedule, inner)
 
-    def stages_for(self, task: Task) -> bool:
+    def stages_for(self, task: SparseTask) -> bool:
         """Whether Riccati steps are taken: by choice, or where path constraints ask for them."""
         if self.decides != "l0" or task.system.stages is None:
             return False
-        return self.inner == "riccati" or (self.reweights and task.system.response is None)
+        own = task.system.decided_by is DecidedBy.STAGES
+        return self.inner == "riccati" or (self.reweights and own)
 
-    def reweights_for(self, task: Task) -> bool:
+    def reweights_for(self, task: SparseTask) -> bool:
         """Whether reweighting is chosen and applies."""
-        by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
-        by_pulses |= task.system.bounds is not None
-        return by_pulses or self.stages_for(task)
+        way = task.system.decided_by
+        condensed = self.reweights and self.decides == "l0" and way is DecidedBy.CONDENSED
+        return condensed or way is DecidedBy.BOUNDS or self.stages_for(task)
 
-    def spends_least_for(self, task: Task) -> bool:
+    def spends_least_for(self, task: SparseTask) -> bool:
         """Whether supports are polished by the primal-dual method.
 
         The printed cost may rest where its rows do not vanish, which asks for a line search.
         """
-        by_pulses = self.reweights_for(task) and not self.stages_for(task)
-        return by_pulses and task.system.bounds is None and task.goal.terminal == "reach"
+        condensed = self.reweights_for(task) and not self.stages_for(task)
+        bounded = task.system.decided_by is DecidedBy.BOUNDS
+        return condensed and not bounded and task.goal.terminal == "reach"
 
 
-def count_arguments(task: Task) -> SparseArguments:
+def count_arguments(task: SparseTask) -> SparseArguments:
     """Arguments with which the count of active intervals is minimised."""
     return replace(task.arguments, count_scale=jnp.asarray(task.sparsity_weight))
 
 
-def effort_arguments(task: Task) -> SparseArguments:
+def effort_arguments(task: SparseTask) -> SparseArguments:
     """Arguments with which the L1 effort is minimised."""
     scale = task.effort_weight if task.goal.terminal == "penalty" else 1.0
     return replace(task.arguments, count_scale=jnp.asarray(0.0), effort_scale=jnp.asarray(scale))
 
 
-def _free(task: Task, support: Mask) -> Floats:
+def _free(task: SparseTask, support: Mask) -> Floats:
     """Variables free on a support (..., N, g), without those that are forbidden."""
     full = np.broadcast_to(support, (*support.shape[:-1], task.size))
     return full * np.asarray(task.arguments.free)
 
 
-def reweighting(task: Task, method: Method, settings: Reweighting) -> tuple[Solver, str]:
+def reweighting(task: SparseTask, method: Method, settings: Reweighting) -> tuple[Solver, str]:
     """The reweighting that suits a task, by pulses, stage by stage or between bounds, and the kind
     of its programme.
 
     settings : where there are bounds, only whether the support is decided or given is read from it.
     """
-    if task.system.bounds is not None:
+    if task.system.decided_by is DecidedBy.BOUNDS:
         decides = DECIDE if task.system.path is None else DECIDE_SLOWLY
         return (decides if settings.deciding else SETTLE_BETWEEN), "roots"
     if method.stages_for(task):
@@ -144,14 +146,14 @@ def reweighting(task: Task, method: Method, settings: Reweighting) -> tuple[Solv
     return CondensedReweighting(settings), "roots"
 
 
-def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
+def reweight(task: SparseTask, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
     """Reweighted steps for all lanes."""
     solver, kind = reweighting(task, method, settings)
     found: SparseRoot = method.run(task, solver, kind, lanes, count_arguments(task))
     return found
 
 
-def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
+def decide(task: SparseTask, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     """Scaled controls and the support they suggest, one for every start."""
     count = len(starts.u)
     free = np.broadcast_to(np.asarray(task.arguments.free), starts.u.shape)
@@ -161,7 +163,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
         free = np.where(starts.confined[:, None, None], free * cheap, free)
     rows = np.broadcast_to(np.asarray(task.arguments.row_weight), (count, task.rows)).copy()
     rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
-    if task.system.bounds is not None and method.decides == "l1":
+    if task.system.decided_by is DecidedBy.BOUNDS and method.decides == "l1":
         return starts.u * free, np.any(free > 0.0, axis=-1, keepdims=True)
     lanes = Lanes(starts.u * free, free, rows, starts.sign)
     if method.reweights_for(task):
@@ -179,7 +181,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
     return u, size > SUPPORT_THRESHOLD
 
 
-def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
+def screen(task: SparseTask, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
     """As `polish`, but soon given up: most neighbours of a good support lead nowhere."""
     if not method.reweights_for(task):
         return polish(task, u, supports, sign, method, SCREENING)
@@ -199,7 +201,7 @@ def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) 
 
 
 def polish(
-    task: Task,
+    task: SparseTask,
     u: Floats,
     supports: Mask,
     sign: Floats,
@@ -212,7 +214,7 @@ def polish(
     """
     free = _free(task, supports)
     lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
-    if task.system.bounds is not None:
+    if task.system.decided_by is DecidedBy.BOUNDS:
         form = Form(task.system, task.shared, "roots", task.size)
         return polish_bounded(
             task, form, lanes, count_arguments(task), method.progress, method.rows
@@ -225,7 +227,7 @@ def polish(
     return evaluate(task, x[..., : task.size], status, iterations, sign)
 
 
-def spending(task: Task, method: Method, most: int | None = None) -> tuple[Solver, str]:
+def spending(task: SparseTask, method: Method, most: int | None = None) -> tuple[Solver, str]:
     """What minimises the effort on a support, and the kind of its programme; see `polish`."""
 
     def up_to(schedule: Schedule) -> Schedule:

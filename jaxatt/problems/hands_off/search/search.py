@@ -21,7 +21,8 @@ from jaxatt.problems.hands_off.search.enumeration import from_pairs
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
 from jaxatt.problems.hands_off.search.starts import draw
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.sparse_program import DecidedBy
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
@@ -46,7 +47,7 @@ class Found:
 
 
 def search(
-    task: Task,
+    task: SparseTask,
     count: int,
     seed: int,
     guess: Floats | None = None,
@@ -60,7 +61,7 @@ def search(
         inner minimiser lets the augmented Lagrangian do all of it.  "riccati" reweights and
         polishes stage by stage; "auto" does so where path constraints rule out pulses.
     """
-    if task.system.bounds is not None and inner != "auto":
+    if task.system.decided_by is DecidedBy.BOUNDS and inner != "auto":
         raise ValueError(f'inner = {inner!r}: thrusters have a method of their own; choose "auto"')
     if inner == "riccati" and task.system.stages is None:
         raise ValueError("inner = 'riccati': this problem has no stages; choose \"auto\"")
@@ -75,7 +76,7 @@ def search(
         u, supports = decide(task, starts, method(decides, "deciding which intervals are active"))
         return polish(task, u, supports, starts.sign, method(decides, "polishing"))
 
-    if task.system.bounds is not None:
+    if task.system.decided_by is DecidedBy.BOUNDS:
         found = search_bounded(task, count, seed, guess, method)
         return chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
@@ -106,7 +107,7 @@ def search(
     return chosen(task, ended, pool)
 
 
-def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
+def chosen(task: SparseTask, starts: Candidates, pool: Candidates) -> Found:
     """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
     reached_first = task.goal.terminal == "reach"
     do_nothing_cost = None
@@ -120,31 +121,31 @@ def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
     return Found(starts, best, reaching, _distinct(task, starts), do_nothing_cost)
 
 
-def look(task: Task, count: int, seed: int) -> Candidates:
+def look(task: SparseTask, count: int, seed: int) -> Candidates:
     """What `count` starts find by themselves: nothing is rescued, moved or improved."""
     decides = "l1" if task.goal.kind == "l1" else "l0"
     rows = chunk_for(count)
-    if task.system.bounds is not None:
+    if task.system.decided_by is DecidedBy.BOUNDS:
         return from_bounded_starts(task, count, seed, None, lambda d, _: Method(d, rows=rows))
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability())
     u, supports = decide(task, starts, Method(decides, rows=rows))
     return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
 
 
-def _pairs(task: Task, method: Method, count: int) -> tuple[Floats, Mask] | None:
+def _pairs(task: SparseTask, method: Method, count: int) -> tuple[Floats, Mask] | None:
     return from_pairs(task, method, count) if method.reweights_for(task) else None
 
 
-def _distinct(task: Task, candidates: Candidates) -> int:
+def _distinct(task: SparseTask, candidates: Candidates) -> int:
     seen = set()
     for index in np.flatnonzero(candidates.verdict.reached):
         support = support_of(task, candidates.controls[index])
-        effort = task.effort(candidates.controls[index : index + 1])[0]
+        effort = task.l1_effort(candidates.controls[index : index + 1])[0]
         seen.add((support.tobytes(), f"{effort:.3g}"))
     return len(seen)
 
 
-def _resting(task: Task) -> Candidates:
+def _resting(task: SparseTask) -> Candidates:
     """The answer that does nothing, which a printed cost may prefer."""
     nothing = np.zeros((1, task.intervals, task.size))
     status = np.array([int(Status.FEASIBLE)])

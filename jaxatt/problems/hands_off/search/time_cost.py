@@ -9,10 +9,10 @@ import numpy as np
 
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.candidates import Candidates
-from jaxatt.problems.hands_off.task import Task
+from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 
-Rebuild = Callable[[Task, float], Task]
+Rebuild = Callable[[SparseTask, float], SparseTask]
 """(task, final time [s]) -> the same task on a grid that ends then."""
 
 FLOOR = 1e-3
@@ -57,7 +57,7 @@ class Pricing:
         """Shortest final time that is tried [s]."""
         return max(self.shortest, FLOOR * self.longest)
 
-    def costs(self, task: Task, answers: Candidates) -> Floats:
+    def costs(self, task: SparseTask, answers: Candidates) -> Floats:
         """(S,) costs; infinite where the target is a constraint and not reached."""
         goal, first, price = task.goal, answers.rank[:, 0], 1.0
         if goal.terminal == "penalty":
@@ -77,7 +77,7 @@ class Offer:
     cost : with the time's own.
     """
 
-    task: Task
+    task: SparseTask
     answer: Candidates
     cost: float
 
@@ -98,7 +98,7 @@ class Ledger:
     progress: Callable[[int], None] | None = None
     trials: list[Trial] = field(default_factory=list)
 
-    def offer(self, task: Task, answers: Candidates, how: str, exact: bool = False) -> Offer:
+    def offer(self, task: SparseTask, answers: Candidates, how: str, exact: bool = False) -> Offer:
         """The cheapest of some answers, entered into the record; effort breaks ties.
 
         exact : whether only those count whose constraints held for the solver, and not those that

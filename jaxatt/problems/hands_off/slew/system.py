@@ -22,7 +22,7 @@ from jaxatt.problems.hands_off.slew.response import slew_response
 from jaxatt.problems.hands_off.slew.stages import slew_stages
 from jaxatt.problems.hands_off.slew.thruster_path import path_response
 from jaxatt.problems.hands_off.slew.thruster_response import thruster_response, thruster_rows
-from jaxatt.problems.hands_off.sparse_program import SparseSystem
+from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseSystem
 
 
 def _equations(
@@ -49,6 +49,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
             response=lambda u, p: thruster_response(u, p, form),
             bounds=lambda p: (p.lower, p.upper),
             path=(lambda u, p: path_response(u, p, form)) if form.pointed else None,
+            decided_by=DecidedBy.BOUNDS,
             label=repr(form),
         )
     by_pulses = not (form.gyroscopic or form.path_limited)
@@ -62,5 +63,6 @@ def slew_system(form: SlewForm) -> SparseSystem:
         equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,
         stages=functools.partial(slew_stages, form),
+        decided_by=DecidedBy.STAGES if form.path_limited else DecidedBy.CONDENSED,
         label=repr(form),
     )

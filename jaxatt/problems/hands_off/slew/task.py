@@ -1,4 +1,4 @@
-"""Task of a slew: arguments for the solver, and judgement of answers."""
+"""SparseTask of a slew: arguments for the solver, and judgement of answers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.hands_off.slew.mounting import mounting
 from jaxatt.problems.hands_off.slew.system import slew_system
-from jaxatt.problems.hands_off.task import Goal, Task
+from jaxatt.problems.hands_off.task import Goal, SparseTask
 from jaxatt.problems.manoeuvre import (
     Grid,
     InitialState,
@@ -70,8 +70,8 @@ _fly_pulses = jax.jit(fly_pulses, static_argnums=6)
 _COARSE_PIECES = 4
 
 
-class SlewTask(Task):
-    """Task of one slew, or of one phase of several.
+class SlewTask(SparseTask):
+    """SparseTask of one slew, or of one phase of several.
 
     craft : vehicle.  initial_state, target, waypoint : where it begins, ends and passes.
     axes : "body" or "wheels", the axes of the decision variables.
@@ -314,7 +314,7 @@ class SlewTask(Task):
         flown = self.fly(controls)
         return self.judge(flown, controls), self.cost(flown, controls)
 
-    def effort(self, controls: Floats) -> Floats:
+    def l1_effort(self, controls: Floats) -> Floats:
         """L1 effort, the sum over intervals and body axes of |tau| h, (S,) [N m s]."""
         wheels = np.abs(self.body_torque(controls)).sum(axis=(-2, -1))
         pushes = np.abs(self.mounting.to_external).sum(axis=0)
