@@ -43,7 +43,8 @@ def to_dataset(result: Answer) -> xarray.Dataset:
     Dimensions are `time` (nodes, from the phase's start [s]), `interval`, `axis`, `wheel`,
     `quaternion` (scalar first) and `start`, and those of the family's own; where the case has
     several phases, `leg` comes first everywhere.  Where the phases' intervals differ in length,
-    `time` holds node numbers and `node_time` (phase, time) the times.
+    `time` holds node numbers and `node_time` (phase, time) the times; `fine_time`, of the cones'
+    angles, and `fine_node_time` likewise.
     """
     import xarray
 
@@ -54,10 +55,14 @@ def to_dataset(result: Answer) -> xarray.Dataset:
         xarray.Dataset(
             _variables(phase, sections.labels, alternative)
             | dict(sections.variables(phase, result.phases))
-            | ({} if together else _times(phase, "node_time")),
+            | (
+                {}
+                if together
+                else _times(phase, "node_time") | _fine_times(phase, "fine_node_time")
+            ),
             _coordinates(phase)
             | dict(sections.coordinates(phase))
-            | (_times(phase) if together else _numbers(phase)),
+            | (_times(phase) | _fine_times(phase) if together else _numbers(phase)),
         )
         for phase in result.phases
     ]
@@ -83,8 +88,6 @@ def _coordinates(phase: Phase) -> dict[str, Variable]:
     }
     if phase.pointing is not None:
         cones = [e for e in phase.pointing.extremes if e.kind != "body-rate"]
-        words = {"units": "s", "long_name": "every Runge-Kutta step, from the leg's start"}
-        coordinates["fine_time"] = (("fine_time",), phase.pointing.time, words)
         coordinates["cone"] = (("cone",), [e.name for e in cones], {"long_name": "cone"})
         coordinates["cone_kind"] = (("cone",), [e.kind for e in cones], {"long_name": "kind"})
         coordinates["cone_half_angle"] = (
@@ -127,7 +130,21 @@ def _times(phase: Phase, nodes: str = "time") -> dict[str, Variable]:
 
 def _numbers(phase: Phase) -> dict[str, Variable]:
     """Node numbers, for results whose node times differ from phase to phase."""
-    return {"time": (("time",), np.arange(len(node_times(phase))), {"long_name": "node"})}
+    numbers: dict[str, Variable] = {
+        "time": (("time",), np.arange(len(node_times(phase))), {"long_name": "node"})
+    }
+    if phase.pointing is not None:
+        count, words = len(phase.pointing.time), {"long_name": "Runge-Kutta step"}
+        numbers["fine_time"] = (("fine_time",), np.arange(count), words)
+    return numbers
+
+
+def _fine_times(phase: Phase, nodes: str = "fine_time") -> dict[str, Variable]:
+    """Instants between the nodes at which cones are looked at, from the phase's start."""
+    if phase.pointing is None:
+        return {}
+    words = {"units": "s", "long_name": "every Runge-Kutta step, from the leg's start"}
+    return {nodes: (("fine_time",), phase.pointing.time, words)}
 
 
 def _label(phase: Phase, name: str, own: Mapping[str, Label]) -> Label:

@@ -9,6 +9,7 @@ from handmade_results import assemble, changed
 
 from jaxatt.drawing.rendering import as_text
 from jaxatt.problems.hands_off.record import FinalTimes
+from jaxatt.records.pointing import Extreme, PointingRecord
 from jaxatt.report import plots
 from jaxatt.report.archive import open_archive, write_archive
 from jaxatt.report.dataset import to_dataset
@@ -136,3 +137,28 @@ def test_the_figure_marks_the_answer(make, timed):
     assert axes[-1].get_xlabel() == "final time [s]"
     words = [text.get_text() for text in axes[0].get_legend().get_texts()]
     assert words == ["cheapest answer", "none of those tried reached"]
+
+
+def test_cones_of_legs_of_different_steps_share_a_dataset(timed):
+    """The fine instants are at other times in every leg: they are numbered."""
+
+    def watched(phase):
+        time = np.linspace(0.0, phase.final_time, 101)
+        record = PointingRecord(
+            time=time,
+            angles=np.full((101, 1), 1.0 + phase.start_time),
+            boresights=np.zeros((101, 1, 3)),
+            directions=np.zeros((101, 1, 3)),
+            extremes=(Extreme("sun", "keep-out", 1.0, 0.5, 0.0, True),),
+            constraint_margin=np.zeros(1),
+        )
+        return changed(phase, pointing=record)
+
+    first, second = timed.phases
+    found = to_dataset(assemble(timed.scenario, watched(first), watched(second)))
+    assert found.cone_angle.dims == ("leg", "fine_time", "cone")
+    np.testing.assert_allclose(found.fine_node_time.values[:, -1], [64.0, 50.0])
+    np.testing.assert_array_equal(found.fine_time, np.arange(101))
+    np.testing.assert_array_equal(found.cone_angle.values[:, 0, 0], [1.0, 65.0])
+    alone = to_dataset(assemble(timed.scenario, watched(first)))
+    assert float(alone.fine_time[-1]) == 64.0 and "fine_node_time" not in alone
