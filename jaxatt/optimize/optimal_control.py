@@ -229,7 +229,7 @@ class OptimalControlProgram:
 def exact_derivatives(
     program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Array:
-    """As `OptimalControlProgram.derivatives`, by differentiating the dynamics, (n, n + b)."""
+    """Derivatives (n, n + b) of the next error state, by differentiating the dynamics."""
     n = program.error_size
 
     def move(z: Array) -> Array:
@@ -242,7 +242,7 @@ def exact_derivatives(
 def _moved(
     program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Callable[[Array], tuple[Array, Array]]:
-    """z -> gap (n,) and cost () of a stage."""
+    """Function of z that gives the gap (n,) and the cost () of a stage."""
     n = program.error_size
 
     def at(z: Array) -> tuple[Array, Array]:
@@ -256,7 +256,7 @@ def _moved(
 def linearisation(
     program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Linearisation:
-    """A stage to first order; differentiated where the programme has nothing of its own."""
+    """Linearise a stage, by the programme's own function or by differentiation."""
     if program.linearisation is not None:
         return program.linearisation(x, u, x_next, stage, args)
     moved = _moved(program, x, u, x_next, stage, args)
@@ -293,8 +293,7 @@ def least_squares(
     error_size: int,
     retract: Callable[[Array, Array], Array] = _plus,
 ) -> tuple[Callable[..., Array], Callable[..., Array]]:
-    """Cost |residual|^2 / 2 of a stage and its Gauss-Newton curvature, for a
-    `OptimalControlProgram`.
+    """Cost |residual|^2 / 2 of a stage, and its Gauss-Newton Hessian.
 
     residual : (x, u, stage, args) -> (r,).  error_size, retract : those of the programme.
     """
@@ -316,7 +315,7 @@ def least_squares(
 def fly(
     program: OptimalControlProgram, u: Array, args: Any, first: Array | None = None
 ) -> tuple[Array, Array]:
-    """States at nodes 0 to N - 1, (N, s), and at node N, (s,), under the controls u (N, b).
+    """Simulate the dynamics under controls u (N, b): states (N, s), and the last state (s,).
 
     first : (s,), state at the first node where that is not the programme's own.
     """

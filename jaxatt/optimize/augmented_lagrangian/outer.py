@@ -56,7 +56,7 @@ class Schedule:
 
 
 class Terms(NamedTuple):
-    """What makes the augmented Lagrangian of an inner minimisation."""
+    """Multipliers, penalties and smoothing that are fixed during an inner minimisation."""
 
     multipliers: Any
     penalty: Array

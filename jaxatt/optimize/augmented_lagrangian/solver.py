@@ -98,7 +98,7 @@ def _merit(program: Program, x: Array, args: Any, values: _Values, terms: Terms)
 
 
 def _jacobian(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """Values (m,) and derivatives (m, N, b), by the cheaper of the two modes."""
+    """Values (m,) and derivatives (m, N, b), by forward or reverse mode, whichever is cheaper."""
     rows = jax.eval_shape(function, x).shape[0]
     if rows == 0:
         return jnp.zeros((0,), x.dtype), jnp.zeros((0, *x.shape), x.dtype)
@@ -174,7 +174,7 @@ class AugmentedLagrangian(Solver):
         violation = _violation(program, x, args, values)
 
         def estimate(terms: Terms) -> tuple[Multipliers, Array]:
-            """First-order multiplier estimate and the gradient of the augmented Lagrangian."""
+            """First-order multiplier estimate, and the gradient of the augmented Lagrangian."""
             weight = _equality_penalty(program, x, args, terms.penalty, equality)
             estimates = Multipliers(
                 terms.multipliers.equality + weight * equality,

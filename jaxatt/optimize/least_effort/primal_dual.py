@@ -1,4 +1,4 @@
-"""Least sum of magnitudes that brings some rows to zero, within limits: a primal-dual method.
+"""Primal-dual method for the least sum of magnitudes that satisfies some rows within limits.
 
     minimise    e sum sqrt((E u_k)^2 + s^2)  +  1/2 sum of w r^2 over the soft rows
     subject to  r(u) = 0 for the hard rows,  |l u_k| <= 1 at every stage k

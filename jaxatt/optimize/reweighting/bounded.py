@@ -59,7 +59,7 @@ class _State(NamedTuple):
 
 
 def _clipped(d: Array, pull: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
-    """Minimiser of v^2/(2 d) - pull v between bounds, and the least value's negative."""
+    """Minimiser of v^2/(2 d) - pull v between bounds, and the negative of the minimum."""
     v = jnp.clip(d * pull, lower, upper)
     return v, v * pull - v * v / (2.0 * d + _NOTHING)
 

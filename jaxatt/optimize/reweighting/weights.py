@@ -47,7 +47,7 @@ class Reweighting:
 
 
 class SparseRoot(NamedTuple):
-    """Where a start ended.
+    """Result of one start.
 
     u : (N, b).  support : (N, b), 1 where control was allowed in the end.
     residual : () largest violation of a hard row at the point before the last step.

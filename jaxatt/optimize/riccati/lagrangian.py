@@ -66,7 +66,7 @@ def _seen(found: Sweep) -> Seen:
 def _searched(
     program: OptimalControlProgram, state: _State, found: Sweep, args: Any
 ) -> tuple[Trajectory, Array, Array]:
-    """The trajectory after a step, its length and whether it was accepted."""
+    """Line search along a step: the trajectory, the step length and whether it was accepted."""
 
     def flown(length: Array) -> tuple[Trajectory, Array]:
         trial, _ = fly_with_feedback(program, state.flown, found.laws, length, args)

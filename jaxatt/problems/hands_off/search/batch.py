@@ -22,7 +22,7 @@ from jaxatt.runtime.arrays import Floats
 
 
 class Lanes(NamedTuple):
-    """What differs from start to start; leading axis S.
+    """Data that differ from start to start; leading axis S.
 
     u : (S, N, b).  free : (S, N, b).  row_weight : (S, m).  sign : (S,).
     """
@@ -50,7 +50,7 @@ class Form:
 
     @property
     def program(self) -> Any:
-        """The programme that the solver gets."""
+        """Programme for the augmented Lagrangian."""
         if self.kind == "stages":
             return sparse_stages(self.system, self.size, self.shared)
         if self.kind == "stage roots":
@@ -60,7 +60,7 @@ class Form:
 
     @property
     def label(self) -> str | None:
-        """See `jaxatt.runtime.compilation`; None for systems that have none."""
+        """Label for `jaxatt.runtime.compilation`; None for systems that have none."""
         if self.system.label is None:
             return None
         return repr((self.system.label, self.shared, self.kind, self.size))
@@ -80,7 +80,7 @@ class Form:
 def broadcast_lanes(
     u: Floats, free: Array | Floats, row_weight: Array | Floats, sign: Floats
 ) -> Lanes:
-    """Lanes from starts (S, N, b) and whatever is common to all of them."""
+    """Lanes from starts (S, N, b) and data that all of them share."""
     count = len(u)
     return Lanes(
         u,

@@ -1,4 +1,4 @@
-"""From starts to supports, and from supports to the least effort on them."""
+"""Decide supports from starts, and minimise the effort on them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ SETTLED = 1e-5
 
 @dataclass(frozen=True)
 class Method:
-    """How a task is solved.
+    """Choice of solvers for a task.
 
     decides : "l0" or "l1", what decides the support.
     inner : name of the inner minimiser of the augmented Lagrangian; "riccati" takes the problem
@@ -93,13 +93,13 @@ class Method:
         return AugmentedLagrangian(schedule, inner)
 
     def stages_for(self, task: Task) -> bool:
-        """Whether Riccati steps are taken: by choice, or where path constraints ask for them."""
+        """Whether Riccati steps are taken: by choice, or because of path constraints."""
         if self.decides != "l0" or task.system.stages is None:
             return False
         return self.inner == "riccati" or (self.reweights and task.system.response is None)
 
     def reweights_for(self, task: Task) -> bool:
-        """Whether reweighting is chosen and applies."""
+        """Whether supports are decided by reweighting."""
         by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
         by_pulses |= task.system.bounds is not None
         return by_pulses or self.stages_for(task)
@@ -114,7 +114,7 @@ class Method:
 
 
 def count_arguments(task: Task) -> SparseArguments:
-    """Arguments with which the count of active intervals is minimised."""
+    """Arguments with which the number of active intervals is minimised."""
     return replace(task.arguments, count_scale=jnp.asarray(task.sparsity_weight))
 
 
@@ -125,7 +125,7 @@ def effort_arguments(task: Task) -> SparseArguments:
 
 
 def _free(task: Task, support: Mask) -> Floats:
-    """Variables free on a support (..., N, g), without those that are forbidden."""
+    """Free variables of a support (..., N, g), without forbidden ones."""
     full = np.broadcast_to(support, (*support.shape[:-1], task.size))
     return full * np.asarray(task.arguments.free)
 
@@ -152,7 +152,7 @@ def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) ->
 
 
 def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
-    """Scaled controls and the support they suggest, one for every start."""
+    """Scaled controls and support of every start."""
     count = len(starts.u)
     free = np.broadcast_to(np.asarray(task.arguments.free), starts.u.shape)
     weight = np.asarray(task.arguments.weight)
@@ -180,7 +180,7 @@ def decide(task: Task, starts: Starts, method: Method) -> tuple[Floats, Mask]:
 
 
 def screen(task: Task, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
-    """As `polish`, but soon given up: most neighbours of a good support lead nowhere."""
+    """As `polish` with few iterations, to discard poor neighbours of a support early."""
     if not method.reweights_for(task):
         return polish(task, u, supports, sign, method, SCREENING)
     free = _free(task, supports)
@@ -206,7 +206,7 @@ def polish(
     method: Method,
     most: int | None = None,
 ) -> Candidates:
-    """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers.
+    """Minimise the effort on supports (S, N, g), from u (S, N, b), and fly the answers.
 
     most : iterations; by default as many as a full polish may take.
     """

@@ -107,7 +107,7 @@ def search(
 
 
 def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
-    """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
+    """Choose the best of a pool of answers; with the printed cost, rest is one of them."""
     reached_first = task.goal.terminal == "reach"
     do_nothing_cost = None
     if not reached_first:
@@ -121,7 +121,7 @@ def chosen(task: Task, starts: Candidates, pool: Candidates) -> Found:
 
 
 def look(task: Task, count: int, seed: int) -> Candidates:
-    """What `count` starts find by themselves: nothing is rescued, moved or improved."""
+    """Answers of `count` starts, without rescue, exchange or improvement."""
     decides = "l1" if task.goal.kind == "l1" else "l0"
     rows = chunk_for(count)
     if task.system.bounds is not None:
@@ -145,7 +145,7 @@ def _distinct(task: Task, candidates: Candidates) -> int:
 
 
 def _resting(task: Task) -> Candidates:
-    """The answer that does nothing, which a printed cost may prefer."""
+    """The answer without torque, which a printed cost may prefer."""
     nothing = np.zeros((1, task.intervals, task.size))
     status = np.array([int(Status.FEASIBLE)])
     return evaluate(task, nothing, status, np.zeros(1, int), np.ones(1))
