@@ -91,7 +91,7 @@ class _Chunk:
         return True
 
     def hand_in(self, lanes: _Lanes, ended: npt.NDArray[np.bool_], results: Any) -> None:
-        """The results of rows that have ended, which are free again."""
+        """Store the results of rows that have ended, and free the rows."""
         lanes.put(
             self.index[ended],
             jax.tree.map(lambda leaf: np.asarray(leaf)[ended], results),

@@ -56,7 +56,7 @@ class Program:
 
     @property
     def features(self) -> frozenset[str]:
-        """What a solver has to support."""
+        """Features that a solver has to support."""
         asked = {
             features.EQUALITY: self.equality is not _no_rows,
             features.SOFT_ROWS: self.equality_weight is not _all_hard,

@@ -18,7 +18,7 @@ RUNNING = -1
 
 @dataclass(frozen=True)
 class Shifts:
-    """How the curvature is shifted where a model is not convex or a step leads nowhere.
+    """Regularisation of the Hessian where a model is not convex or a step is rejected.
 
     first : of a row of rejected passes.  growth : from one to the next.  shrink : after an accepted
     pass; a shift below `least` then becomes 0.
@@ -59,7 +59,10 @@ class InteriorSettings:
 
 
 class Point(NamedTuple):
-    """path, final : values that the inequalities are to take.  The others are multipliers."""
+    """Primal and dual variables.
+
+    path, final : values that the inequalities are to take.  The others are multipliers.
+    """
 
     nodes: Nodes
     path: Array

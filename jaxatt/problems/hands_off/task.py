@@ -55,7 +55,7 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """What an independent flight says of one answer.
+    """Outcome of an independent flight of one answer.
 
     verdict, cost : of the one control history.  series : name -> samples.
     reference : name -> target of a series.  end : state at the end of the horizon.

@@ -1,4 +1,4 @@
-"""What a record says of cones that were taken stricter than they are."""
+"""Notes on cones that the search took stricter than they are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a start enters the programmes of sparse control: what is compiled in and what is its own."""
+"""Entry of a start into the programmes of sparse control: static part and own data."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Lanes(NamedTuple):
 
 @dataclass(frozen=True)
 class Form:
-    """What is compiled in; a problem as `run_starts` wants it.
+    """Static part of a sparse problem, as `run_starts` needs it.
 
     system : the controlled system.  shared : whether an interval's controls count as one.
     kind : which programme the solver gets: "sparse" without dynamics, "slacks" the L1 problem with
@@ -50,7 +50,7 @@ class Form:
 
     @property
     def program(self) -> Any:
-        """Programme for the augmented Lagrangian."""
+        """Programme for the solver."""
         if self.kind == "stages":
             return sparse_stages(self.system, self.size, self.shared)
         if self.kind == "stage roots":
@@ -66,7 +66,7 @@ class Form:
         return repr((self.system.label, self.shared, self.kind, self.size))
 
     def enter(self, lane: Lanes, arguments: SparseArguments) -> tuple[Array, SparseArguments]:
-        """Variables at which the solver begins and arguments of one lane."""
+        """Initial variables for the solver, and the arguments of one lane."""
         u = jnp.asarray(lane.u)
         own = replace(
             arguments,

@@ -1,4 +1,4 @@
-"""Settings and answers of reweighting for controls with limits of their own."""
+"""Reweighting settings and answers for controls with bounds of their own."""
 
 from __future__ import annotations
 

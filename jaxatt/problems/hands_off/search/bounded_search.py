@@ -2,11 +2,11 @@
 
 1. Reweighted Newton steps between the bounds decide which intervals are active, from every start.
 2. The support is frozen and the L1 effort is minimised on it.
-3. If no start arrives, two bursts at the ends of the horizon are tried, shortest first.
+3. If no start arrives, bang-off-bang supports are tried, the shortest first.
 4. The best supports found are improved by dropping and moving single intervals.
-5. Two bursts with fewer and fewer intervals are tried for as long as some arrive.
+5. Bang-off-bang supports of fewer and fewer intervals are tried for as long as some arrive.
 6. Where the printed cost is minimised, that answer competes with doing nothing, with starts on the
-   cost itself and with bursts that leave the target aside.
+   cost itself and with bang-off-bang torques that leave the target aside.
 """
 
 from __future__ import annotations

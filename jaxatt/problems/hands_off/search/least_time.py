@@ -30,7 +30,7 @@ NEAR = 0.03
 _GALLOP = 0.8
 _ROUNDS = 40
 _LONGER_BURST = 1
-"""How much longer than the other one burst of a pair may be."""
+"""Intervals by which torque at one end may be longer than at the other."""
 
 
 def shorten(offer: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> Offer:
@@ -95,7 +95,7 @@ def exchange(
     """Replace the support by cheaper ones, each at its least final time, while that pays.
 
     Tried are `others`, supports with one interval dropped, moved or added, with one added to each
-    side of every burst, and two bursts of any length at the ends of the horizon.
+    side of every run of active intervals, and bang-off-bang supports of any length.
     """
     best = offer
     for _ in range(_ROUNDS):

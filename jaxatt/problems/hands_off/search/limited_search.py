@@ -2,7 +2,7 @@
 
 They are left out at first, and only judged; where the flights say that they matter the search is
 made again with them in the way.  Between the nodes a search knows them roughly only, the
-flights exactly: what they find in excess is added to a guard around the limits, and the supports
+flights exactly: what they find in excess is added to a margin of the limits, and the supports
 that were found are polished again.
 """
 
@@ -24,9 +24,9 @@ from jaxatt.runtime.chunks import Report, chunk_for
 
 _ROUNDS = 3
 _LITTLE = 0.02
-"""Excess up to which a guard is worth a try: [rad] over a cone, or a share of a rate limit."""
+"""Excess up to which a margin is worth a try: [rad] over a cone, or a share of a rate limit."""
 _BEYOND = 1.2
-"""Times the excess that a guard grows by."""
+"""Factor of the excess by which a margin grows."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def search_within_limits(
             outcomes.append(Limited(enforced, found, constraint_margin))
         if _violating(outcomes[-1]) is None:
             break
-    # A guard may cost an answer that the round before it found.
+    # A larger margin may cost an answer that the round before it found.
     reached = [outcome for outcome in outcomes if outcome.found.best.verdict.reached[0]]
     best = (reached or outcomes[-1:])[0]
     for other in reached[1:]:

@@ -83,7 +83,7 @@ class Method:
     def run(
         self, task: Task, solver: Solver, kind: str, lanes: Lanes, arguments: SparseArguments
     ) -> Any:
-        """Results of a solver from all lanes; kind : of the programme, see `Form`."""
+        """Run a solver from all lanes; kind : of the programme, see `Form`."""
         form = Form(task.system, task.shared, kind, task.size)
         return run_starts(solver, form, lanes, arguments, rows=self.rows, progress=self.progress)
 
@@ -131,8 +131,9 @@ def _free(task: Task, support: Mask) -> Floats:
 
 
 def reweighting(task: Task, method: Method, settings: Reweighting) -> tuple[Solver, str]:
-    """The reweighting that suits a task, by pulses, stage by stage or between bounds, and the kind
-    of its programme.
+    """Choose the reweighting for a task, and the kind of its programme.
+
+    By pulses, stage by stage, or between bounds.
 
     settings : where there are bounds, only whether the support is decided or given is read from it.
     """
@@ -145,7 +146,7 @@ def reweighting(task: Task, method: Method, settings: Reweighting) -> tuple[Solv
 
 
 def reweight(task: Task, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
-    """Reweighted steps for all lanes."""
+    """Take reweighted steps for all lanes."""
     solver, kind = reweighting(task, method, settings)
     found: SparseRoot = method.run(task, solver, kind, lanes, count_arguments(task))
     return found
@@ -226,7 +227,7 @@ def polish(
 
 
 def spending(task: Task, method: Method, most: int | None = None) -> tuple[Solver, str]:
-    """What minimises the effort on a support, and the kind of its programme; see `polish`."""
+    """Choose the solver of the least effort on a support, and the kind of its programme."""
 
     def up_to(schedule: Schedule) -> Schedule:
         return schedule if most is None else replace(schedule, max_iterations=most)

@@ -35,7 +35,7 @@ class Found:
     starts : one candidate a start.  best : the answer (S = 1), maybe better than every start.
     reaching : the best that reaches the target, None if nothing does.
     distinct_minima : different answers among the starts that reached the target.
-    resting_cost : the printed cost of doing nothing, where the printed cost is minimised.
+    do_nothing_cost : the printed cost of doing nothing, where the printed cost is minimised.
     """
 
     starts: Candidates
