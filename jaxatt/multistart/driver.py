@@ -1,4 +1,4 @@
-"""The batched driver: many starts of one problem, by any solver.
+"""Batched driver that runs many starts of one problem with any solver.
 
 Starts are solved in chunks of one compiled size, one a core, the batch axis where the solver is
 fastest.  Those that end make room for those that wait (`refilling`), and none is begun anew; where
@@ -36,29 +36,29 @@ _DEVICE_SHARE = 0.5
 
 
 class Problem(Protocol):
-    """What is compiled in; equal ones, by `==` and `hash`, share what is compiled."""
+    """Static part of a problem; equal ones, by `==` and `hash`, share compiled programs."""
 
     @property
     def program(self) -> Any:
-        """The programme that the solver gets."""
+        """Programme for the solver."""
 
     @property
     def label(self) -> str | None:
-        """See `jaxatt.runtime.compilation`; None for what is not kept."""
+        """Label for `jaxatt.runtime.compilation`; None for programs that are not kept."""
 
     def enter(self, start: Any, args: Any) -> tuple[Any, Any]:
-        """What the solver begins with, and the arguments of this start."""
+        """Initial point for the solver, and the arguments of this start."""
 
 
 @dataclass(frozen=True)
 class Plain:
-    """A programme whose starts have nothing of their own but where they begin."""
+    """A programme whose starts differ only in their initial point."""
 
     program: Any
     label: str | None = None
 
     def enter(self, start: Any, args: Any) -> tuple[Any, Any]:
-        """The start itself and the arguments of all."""
+        """The start itself, and the arguments that all starts share."""
         return start, args
 
 
@@ -74,13 +74,13 @@ class Job:
 
     @property
     def label(self) -> str | None:
-        """None for what is not kept."""
+        """Label for `jaxatt.runtime.compilation`; None for programs that are not kept."""
         return None if self.lapack else self.problem.label
 
 
 @functools.partial(Routine, statics=1)
 def to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
-    """Results of a chunk of starts, leading axis rows."""
+    """Run a chunk of starts to their results, leading axis rows."""
     axis = solver.batch_axis
 
     def one(start: Any) -> Any:
@@ -95,7 +95,7 @@ def to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
 def some_passes(
     job: Job, starts: Any, states: Any, fresh: Array, args: Any, solver: Solver
 ) -> tuple[Any, Any, Array]:
-    """Some passes for a chunk of starts; see `refilling.Advance`."""
+    """Advance a chunk of starts by some passes; see `refilling.Advance`."""
     axis, problem = solver.batch_axis, job.problem
     program, starts = problem.program, _to(axis, starts)
 
@@ -142,7 +142,7 @@ def run_starts(
     rows: int | None = None,
     progress: Progress | None = None,
 ) -> Any:
-    """Results of all starts on the host, a pytree with leading axis S.
+    """Run all starts and gather their results on the host, leading axis S.
 
     starts : pytree with leading axis S.  args : pytree that all starts share.
     rows : starts in one compiled call; by default as many as the cores or the accelerator want,
@@ -174,7 +174,7 @@ def run_starts(
 def begin_compiling(
     pool: Executor, solver: Solver, problem: Problem, starts: Any, args: Any, rows: int
 ) -> None:
-    """Compile in a thread of `pool` what `run_starts` will call for starts like these."""
+    """Compile ahead, in a thread of `pool`, what `run_starts` will call for such starts."""
     state = _state(solver, problem, starts, args)
     rows = _fitting(rows, state)
     job = Job(problem, solver.calls_lapack)
@@ -200,7 +200,7 @@ def _state(solver: Solver, problem: Problem, starts: Any, args: Any) -> Any:
 
 
 def _empty(solver: Solver, state: Any, rows: int) -> Any:
-    """States of rows that are not running, on the device where those of the next call will be."""
+    """States of rows that are not running, on the device of the next call."""
 
     def batch(leaf: Any) -> Any:
         shape = (rows, *leaf.shape) if solver.batch_axis == 0 else (*leaf.shape, rows)
@@ -210,7 +210,7 @@ def _empty(solver: Solver, state: Any, rows: int) -> Any:
 
 
 def _fitting(rows: int, state: Any) -> int:
-    """So many rows, or as many as fit into memory."""
+    """Number of rows, reduced to what fits into memory."""
     one = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
     most = _chunk_bytes() // max(1, _WORKING_COPIES * one)
     return rows if rows <= most else max(1, 1 << (int(most).bit_length() - 1))
@@ -225,6 +225,6 @@ def _chunk_bytes() -> int:
 
 
 def _types(of: Any) -> tuple[Hashable, ...]:
-    """What tells compiled programs apart, the number of starts aside."""
+    """Key that tells compiled programs apart, whatever the number of starts."""
     leaves, tree = jax.tree.flatten(of)
     return (tree, *(np.shape(leaf)[1:] for leaf in leaves))

@@ -1,4 +1,4 @@
-"""Lanes that end make room for those that wait, so that the slowest does not rule a chunk.
+"""Batched driver that replaces finished starts by waiting ones, so that no chunk idles.
 
 A chunk advances a few passes at a time.  Between two times its thread takes out the lanes that have
 ended and puts waiting ones in their places; one that takes long stays where it is, beside others.
@@ -28,7 +28,7 @@ running : (rows,), those that have not ended.
 
 
 class _Lanes:
-    """All lanes: those that wait, and the results of those that have ended.  Chunks share it."""
+    """Queue of all lanes, and their results; it is shared by the threads of all chunks."""
 
     def __init__(self, lanes: Any, progress: Progress | None):
         self.lanes = jax.tree.map(np.asarray, lanes)
@@ -41,12 +41,12 @@ class _Lanes:
             progress(0)
 
     def take(self, most: int) -> list[int]:
-        """Up to so many waiting lanes."""
+        """Take up to `most` waiting lanes."""
         with self.lock:
             return [self.waiting.popleft() for _ in range(min(most, len(self.waiting)))]
 
     def put(self, index: npt.NDArray[np.int64], results: Any) -> None:
-        """Results of lanes, rows first."""
+        """Store the results of lanes, rows first."""
         with self.lock:
             if self.results is None:
                 self.results = jax.tree.map(
@@ -61,7 +61,7 @@ class _Lanes:
 
 
 class _Chunk:
-    """Rows that advance together.
+    """A chunk of lanes that advance together.
 
     index : (rows,), the lane in every row.  busy, fresh : (rows,).
     """
@@ -73,7 +73,9 @@ class _Chunk:
         self.fresh = np.zeros(rows, bool)
 
     def step(self, lanes: _Lanes) -> bool:
-        """Fill free rows, make some passes and hand in what has ended; False if nothing is left."""
+        """Fill free rows, advance some iterations and store finished lanes; False when all are
+        done.
+        """
         free = np.flatnonzero(~self.busy)
         taken = lanes.take(len(free))
         self.fresh[:] = False
@@ -89,7 +91,7 @@ class _Chunk:
         return True
 
     def hand_in(self, lanes: _Lanes, ended: npt.NDArray[np.bool_], results: Any) -> None:
-        """The results of rows that have ended, which are free again."""
+        """Store the results of rows that have ended, and free the rows."""
         lanes.put(
             self.index[ended],
             jax.tree.map(lambda leaf: np.asarray(leaf)[ended], results),
@@ -97,7 +99,7 @@ class _Chunk:
         self.busy &= ~ended
 
     def run(self, lanes: _Lanes) -> None:
-        """Until no lane is left."""
+        """Advance until no lane is left."""
         while self.step(lanes):
             pass
 
@@ -111,7 +113,7 @@ def refilling(
     key: Hashable = None,
     together: bool = True,
 ) -> Any:
-    """Results of all lanes, a pytree with leading axis S, from `advance` until none is running.
+    """Advance all lanes until none is running, and return their results with leading axis S.
 
     lanes : pytree with leading axis S.  empty : states of `rows` rows that are not running.
     progress : called in turn by the threads that run the chunks.

@@ -1,4 +1,4 @@
-"""Functions that a batch evaluates with its axis last, wherever the axis is around them."""
+"""Evaluate functions with the batch axis last, wherever `jax.vmap` has it outside."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jax.custom_batching import custom_vmap
 
 
 def batch_last(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The same function of arrays; `jax.vmap` puts the batch axis last inside it.
+    """Wrap a function so that `jax.vmap` puts the batch axis last inside it.
 
     There every component is one contiguous vector, which small systems and roll-outs gain much
     from, while products of large matrices around them want the axis first.

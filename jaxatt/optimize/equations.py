@@ -1,4 +1,4 @@
-"""Linearised rows in the form in which steps of least weighted norm use them."""
+"""Linearised rows in the form that weighted least-norm steps need."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Response = Callable[[Array], tuple[Array, Array]]
 
 
 class Equations(NamedTuple):
-    """Rows r at a point u and their derivatives J, which need not be formed.
+    """Rows r and products with their Jacobian J, which need not be formed.
 
     rows : (m,).  matrix : (m, m), J diag(weights) J'.  reached : (m,), J moved.
     pullback : (m,) -> (N, b), the product of J' with it.
@@ -30,7 +30,7 @@ Linearise = Callable[[Array, Array, Array, Array], Equations]
 
 
 def from_response(response: Response) -> Linearise:
-    """Equations of rows whose derivatives are at hand."""
+    """Linearised rows from a function that returns their derivatives."""
 
     def linearise(u: Array, weights: Array, moved: Array, accurate: Array) -> Equations:
         rows, jacobian = response(u)

@@ -1,4 +1,4 @@
-"""What a programme may ask of a solver, by the names that both use.
+"""Names of the features that programmes may have and solvers may support.
 
 A programme says what it has in its `features`, a solver what it takes into account in `supports`.
 """

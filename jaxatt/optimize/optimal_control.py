@@ -1,4 +1,4 @@
-"""What the solvers over stages see: a programme whose stages are tied by dynamics.
+"""Optimal-control programme: stages that are tied by dynamics.
 
 A programme says what it has by the fields that it fills; its `features` name them, so that a solver
 can refuse by name what it does not support.
@@ -31,7 +31,7 @@ def _minus(x: Array, reference: Array) -> Array:
 
 
 class Linearisation(NamedTuple):
-    """A stage's dynamics and cost to first order in z, its n error coordinates and b controls.
+    """Dynamics and cost of a stage to first order in z, n error coordinates and b controls.
 
     gap : (n,), the next state that the dynamics give less the one that there is.
     dynamics : (n, n + b), derivatives of the gap.  cost : (n + b,), those of the cost.
@@ -46,7 +46,7 @@ class Linearisation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """What the coordinates of states and controls mean to whoever wrote the programme.
+    """Meaning of the coordinates of states and controls to the programme's author.
 
     states : number of the user's own states, which come first.  parameters : number of free
     parameters, which follow.  times : (x, args) -> (N + 1,) [s], times of the nodes; x is any
@@ -76,7 +76,10 @@ def _hard() -> Array:
 
 @dataclass(frozen=True)
 class OptimalControlProgram:
-    """Pure functions of states x (s,), controls u (b,), what a stage has, and a pytree `args`.
+    """An optimal-control programme as pure functions of states, controls, stages and `args`.
+
+    The functions take the state x (s,), the controls u (b,), the data of a stage, and a pytree
+    `args`.
 
     Everything that can change from one solve to the next belongs in `args`; what changes from
     stage to stage is a row of `stages`.
@@ -141,7 +144,7 @@ class OptimalControlProgram:
 
     @property
     def features(self) -> frozenset[str]:
-        """What a solver has to support."""
+        """Features that a solver has to support."""
         asked = {
             features.PATH_EQUALITY: self.equality is not None,
             features.SOFT_PATH_ROWS: self.equality_weight is not None,
@@ -159,35 +162,35 @@ class OptimalControlProgram:
 
     @property
     def on_manifold(self) -> bool:
-        """Whether the error state is something else than a difference of states."""
+        """Whether the error state differs from a difference of states."""
         return self.retract is not _plus or self.difference is not _minus
 
     def equalities(self, x: Array, u: Array, stage: Any, args: Any) -> Array:
-        """Rows of a stage, (q,)."""
+        """Equality rows of a stage, (q,)."""
         return _nothing(x) if self.equality is None else self.equality(x, u, stage, args)
 
     def equality_weights(self, stage: Any, args: Any) -> Array:
-        """Of those rows, (q,) or ()."""
+        """Weights of the equality rows of a stage, (q,) or ()."""
         return _hard() if self.equality_weight is None else self.equality_weight(stage, args)
 
     def inequalities(self, x: Array, u: Array, stage: Any, args: Any) -> Array:
-        """Of a stage, (p,)."""
+        """Inequality rows of a stage, (p,)."""
         return _nothing(x) if self.inequality is None else self.inequality(x, u, stage, args)
 
     def final_equalities(self, x: Array, args: Any) -> Array:
-        """Rows of the last state, (r,)."""
+        """Equality rows of the last state, (r,)."""
         return _nothing(x) if self.final_rows is None else self.final_rows(x, args)
 
     def final_weights(self, args: Any) -> Array:
-        """Of those rows, (r,) or ()."""
+        """Weights of the equality rows of the last state, (r,) or ()."""
         return _hard() if self.final_weight is None else self.final_weight(args)
 
     def final_inequalities(self, x: Array, args: Any) -> Array:
-        """Of the last state, (t,)."""
+        """Inequality rows of the last state, (t,)."""
         return _nothing(x) if self.final_inequality is None else self.final_inequality(x, args)
 
     def cost_curvature(self, x: Array, u: Array, stage: Any, args: Any, smoothing: Array) -> Array:
-        """`curvature`, or the Hessian of the cost where the programme has nothing of its own."""
+        """`curvature`, or the Hessian of the cost where the programme gives none."""
         if self.curvature is not None:
             return self.curvature(x, u, stage, args, smoothing)
         n = self.error_size
@@ -198,7 +201,7 @@ class OptimalControlProgram:
         return jnp.asarray(jax.hessian(at)(jnp.zeros(n + u.shape[0], x.dtype)))
 
     def final_cost(self, x: Array, args: Any) -> Array:
-        """Of the last state, ()."""
+        """Cost of the last state, ()."""
         none = jnp.zeros((), x.dtype)
         return none if self.terminal_cost is None else self.terminal_cost(x, args)
 
@@ -229,7 +232,7 @@ class OptimalControlProgram:
 def exact_derivatives(
     program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Array:
-    """As `OptimalControlProgram.derivatives`, by differentiating the dynamics, (n, n + b)."""
+    """Derivatives (n, n + b) of the next error state, by differentiating the dynamics."""
     n = program.error_size
 
     def move(z: Array) -> Array:
@@ -242,7 +245,7 @@ def exact_derivatives(
 def _moved(
     program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Callable[[Array], tuple[Array, Array]]:
-    """z -> gap (n,) and cost () of a stage."""
+    """Function of z that gives the gap (n,) and the cost () of a stage."""
     n = program.error_size
 
     def at(z: Array) -> tuple[Array, Array]:
@@ -256,7 +259,7 @@ def _moved(
 def linearisation(
     program: OptimalControlProgram, x: Array, u: Array, x_next: Array, stage: Any, args: Any
 ) -> Linearisation:
-    """A stage to first order; differentiated where the programme has nothing of its own."""
+    """Linearise a stage, by the programme's own function or by differentiation."""
     if program.linearisation is not None:
         return program.linearisation(x, u, x_next, stage, args)
     moved = _moved(program, x, u, x_next, stage, args)
@@ -275,7 +278,7 @@ def lagrangian_hessian(
     costate: Array,
     kept: Any = (),
 ) -> Array:
-    """Hessian of cost + costate . gap of a stage, (n + b, n + b); `kept` from its linearisation."""
+    """Hessian (n + b, n + b) of cost + costate . gap; `kept` from the linearisation."""
     if program.lagrangian_hessian is not None:
         return program.lagrangian_hessian(x, u, x_next, stage, args, costate, kept)
     moved = _moved(program, x, u, x_next, stage, args)
@@ -293,8 +296,7 @@ def least_squares(
     error_size: int,
     retract: Callable[[Array, Array], Array] = _plus,
 ) -> tuple[Callable[..., Array], Callable[..., Array]]:
-    """Cost |residual|^2 / 2 of a stage and its Gauss-Newton curvature, for a
-    `OptimalControlProgram`.
+    """Cost |residual|^2 / 2 of a stage, and its Gauss-Newton Hessian.
 
     residual : (x, u, stage, args) -> (r,).  error_size, retract : those of the programme.
     """
@@ -316,7 +318,7 @@ def least_squares(
 def fly(
     program: OptimalControlProgram, u: Array, args: Any, first: Array | None = None
 ) -> tuple[Array, Array]:
-    """States at nodes 0 to N - 1, (N, s), and at node N, (s,), under the controls u (N, b).
+    """Simulate the dynamics under controls u (N, b): states (N, s), and the last state (s,).
 
     first : (s,), state at the first node where that is not the programme's own.
     """

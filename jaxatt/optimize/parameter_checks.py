@@ -1,4 +1,4 @@
-"""Whether the parameters of a problem are arrays of numbers."""
+"""Check that the parameters of a problem are arrays of numbers."""
 
 from __future__ import annotations
 

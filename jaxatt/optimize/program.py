@@ -1,4 +1,4 @@
-"""What the solver sees: a nonlinear programme whose variables come in stages."""
+"""Nonlinear programme whose variables come in stages."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _all_hard(x: Array, args: Any) -> Array:
 
 @dataclass(frozen=True)
 class Program:
-    """Pure functions of the variables x, (N, b): N stages of b variables, and of a pytree `args`.
+    """A nonlinear programme as pure functions of variables x, (N, b), and of a pytree `args`.
 
     Everything that can change from one solve to the next belongs in `args`, so that a new value
     never recompiles.
@@ -56,7 +56,7 @@ class Program:
 
     @property
     def features(self) -> frozenset[str]:
-        """What a solver has to support."""
+        """Features that a solver has to support."""
         asked = {
             features.EQUALITY: self.equality is not _no_rows,
             features.SOFT_ROWS: self.equality_weight is not _all_hard,

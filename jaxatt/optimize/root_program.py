@@ -1,4 +1,4 @@
-"""A programme whose rows few controls are to bring to zero; for reweighting and least effort."""
+"""Programme of sparse root finding: rows that few controls are to bring to zero."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from jaxatt.optimize.optimal_control import OptimalControlProgram
 
 @dataclass(frozen=True)
 class RootProgram:
-    """Pure functions of controls u, (N, b), and of a pytree `args`; None for what there is not.
+    """A sparse root-finding problem as functions of u, (N, b), and `args`; None where absent.
 
     free : args -> (N, b), 1 where control is allowed.
     importance : args -> (N,), cost of an active stage.
@@ -48,7 +48,7 @@ class RootProgram:
 
     @property
     def features(self) -> frozenset[str]:
-        """What a solver has to support, what the stages have included."""
+        """Features that a solver has to support, those of the stages included."""
         asked = {
             features.ROWS_AT_ONCE: self.response is not None,
             features.ROWS_BY_STAGE: self.stages is not None,
@@ -61,7 +61,7 @@ class RootProgram:
         return own if self.stages is None else own | self.stages.features
 
     def linearise(self, args: Any) -> Linearise:
-        """What a weighted step asks, at given arguments."""
+        """Function that linearises the rows for weighted least-norm steps."""
         equations, response = self.equations, self.response
         if equations is not None:
             return lambda u, weights, moved, accurate: equations(u, weights, moved, accurate, args)

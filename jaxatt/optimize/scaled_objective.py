@@ -1,4 +1,4 @@
-"""The same programme with its objective times a factor, which is part of its arguments."""
+"""Scale the objective of a programme by a factor that is part of its arguments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ from jaxatt.optimize.optimal_control import (
 
 
 class Scaled(NamedTuple):
-    """args : of the programme itself.  factor : () of its objective."""
+    """Arguments of a scaled programme.
+
+    args : of the programme itself.  factor : () of its objective.
+    """
 
     args: Any
     factor: Array
@@ -34,7 +37,7 @@ def _inner(function: Callable[..., Any] | None) -> Callable[..., Any] | None:
 
 @functools.cache
 def scaled_objective(program: OptimalControlProgram) -> OptimalControlProgram:
-    """A programme of `Scaled` arguments; what it has besides its objective stays as it is."""
+    """Programme of `Scaled` arguments with the objective times the factor."""
 
     def cost(x: Array, u: Array, stage: Any, scaled: Scaled, smoothing: Array) -> Array:
         return scaled.factor * program.cost(x, u, stage, scaled.args, smoothing)

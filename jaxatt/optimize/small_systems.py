@@ -1,4 +1,4 @@
-"""Positive definite systems of a handful of unknowns, elementwise over the batch.
+"""Solve small positive definite systems elementwise over the batch.
 
 Under `jax.vmap` every Gauss-Jordan step is one operation on whole arrays, which for so few unknowns
 is much faster than a LAPACK call for each member of the batch.

@@ -1,4 +1,4 @@
-"""Where a start ended, in the same words for every solver that minimises."""
+"""Result of one start, the same for every solver that minimises."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from jax import Array
 
 
 class Solution(NamedTuple):
-    """Of one start; a batch has a leading axis more.
+    """Result of one start; a batch has one more leading axis.
 
     x : (N, b), variables or controls.  objective : () at the final smoothing.
     status : () a `Status`.  violation : () largest constraint violation at x.

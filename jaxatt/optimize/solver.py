@@ -1,4 +1,4 @@
-"""What every solver is: a start begins, makes passes until it is done, and has a result.
+"""Interface of a solver: `init`, `step`, `done` and `result` for one start.
 
 A solver knows one start.  `solve` runs it to the end, here and under `jax.vmap`; the driver in
 `jaxatt.multistart` runs many starts side by side.  What a solver does not support it refuses by
@@ -17,7 +17,7 @@ _SOLVERS: list[type[Solver]] = []
 
 
 class Solver(ABC):
-    """A way to solve a kind of programme, from one start.
+    """A method that solves one kind of programme, from one start.
 
     Subclasses are frozen dataclasses registered as pytrees whose leaves are settings, so that
     another tolerance does not compile anew.  Nothing raises inside the four functions; a start
@@ -45,11 +45,11 @@ class Solver(ABC):
 
     @abstractmethod
     def init(self, program: Any, start: Any, args: Any) -> Any:
-        """The state before the first pass."""
+        """State before the first pass."""
 
     @abstractmethod
     def step(self, program: Any, state: Any, args: Any) -> Any:
-        """The state after one more pass."""
+        """State after one more pass."""
 
     @abstractmethod
     def done(self, state: Any) -> Array:
@@ -57,11 +57,11 @@ class Solver(ABC):
 
     @abstractmethod
     def result(self, program: Any, state: Any, args: Any) -> Any:
-        """Where a start has ended."""
+        """Result of a start that has ended."""
 
 
 def advance(solver: Solver, program: Any, state: Any, args: Any, passes: int | None = None) -> Any:
-    """A start some passes later, or where it has ended.
+    """Advance a start by some passes, or until it ends.
 
     passes : at most; without it as many as it takes.
     """
@@ -82,15 +82,17 @@ def advance(solver: Solver, program: Any, state: Any, args: Any, passes: int | N
 
 
 def solve(solver: Solver, program: Any, start: Any, args: Any) -> Any:
-    """From one start to its result; `jax.vmap` makes it many."""
+    """Run one start to its result; `jax.vmap` runs many."""
     refuse(solver, program)
     state = advance(solver, program, solver.init(program, start, args), args)
     return solver.result(program, state, args)
 
 
 def refuse(solver: Solver, program: Any) -> None:
-    """Raise ValueError where a programme asks for what a solver does not support, or lacks what it
-    needs; `program.features` says what a programme has.
+    """Raise ValueError where a programme and a solver do not fit.
+
+    It names each feature that the solver does not support, or that it needs and the programme
+    lacks.
     """
     asked: frozenset[str] = program.features
     for feature in sorted(asked - solver.supports):

@@ -1,4 +1,4 @@
-"""Whether a programme over stages fits its arguments: shapes, limits and first values."""
+"""Check that a programme over stages fits its arguments: shapes, limits and first values."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jaxatt.runtime.settings import RUNS_ONCE
 
 
 def check_stages(program: OptimalControlProgram, args: Any) -> None:
-    """Raise ValueError where something has the wrong shape, or is not a number at the first stage.
+    """Raise ValueError for a wrong shape, or a value that is not finite at the first stage.
 
     A programme that was made from another form is first checked as that.
     """

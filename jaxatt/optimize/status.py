@@ -1,4 +1,4 @@
-"""How a solve ended, in words, and what to do about it."""
+"""Statuses of a solve, with their meaning and a remedy."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ RUNNING = -1
 
 
 class Status(IntEnum):
-    """Outcome of one start.
+    """Status of one start.
 
     No start is CONVERGED unless violation and scaled stationarity were both below tolerance at
     the point that is returned.
@@ -24,12 +24,12 @@ class Status(IntEnum):
 
     @property
     def meaning(self) -> str:
-        """One sentence on the outcome."""
+        """Sentence that explains the status."""
         return _MEANING[self][0]
 
     @property
     def remedy(self) -> str:
-        """What usually helps."""
+        """Sentence on what usually helps."""
         return _MEANING[self][1]
 
 

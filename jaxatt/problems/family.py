@@ -120,7 +120,7 @@ class Family(ABC):
         seed: int,
         report: Report | None,
     ) -> Any:
-        """What is shown of a phase's answer; only of scenarios that `check_certifiable` passes."""
+        """Evidence on the answer of a phase, for scenarios that `check_certifiable` passes."""
         raise NotImplementedError
 
     def extra(self, scenario: Scenario, found: Sequence[Any]) -> Mapping[str, Any]:

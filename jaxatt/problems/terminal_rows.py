@@ -1,4 +1,4 @@
-"""How families measure the end of a manoeuvre: rows that vanish at the target, all in radians."""
+"""Terminal errors that families share: rows that vanish at the target, all in radians."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Printed values beside obtained: which study a family of problems has."""
+"""Choose the comparison with printed values that fits a family of problems."""
 
 from __future__ import annotations
 

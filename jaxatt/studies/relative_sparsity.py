@@ -114,8 +114,8 @@ class Study:
 class Attainable:
     """Evidence on whether some number of active intervals suffices rest to rest.
 
-    size : active intervals.  least : fewest that the impulse balance allows.  tried : supports of
-    two bursts that were tried, each both ways round from several beginnings.
+    size : active intervals.  least : fewest that the impulse balance allows.  tried : bang-off-bang
+    supports that were tried, each both ways round from several beginnings.
     reached : whether one of them reaches.  attitude_error_deg, rate_error_rad_s : of the nearest.
     """
 

@@ -37,7 +37,7 @@ class PathStarts:
 
 
 def _rows(program: OptimalControlProgram, starts: ProgramStarts) -> int:
-    """Starts in one compiled call: as many as keep the derivatives near the core."""
+    """Number of starts in one compiled call, small enough for the derivatives to stay in cache."""
     count, intervals, size = starts.u.shape
     rows = chunk_for(count)
     if jax.default_backend() != "cpu":
@@ -54,7 +54,7 @@ def solve_starts(
     settings: InteriorSettings,
     progress: Progress | None = None,
 ) -> InteriorSolution:
-    """Solve from all starts, chunk by chunk, and gather the results on the host, leading axis S."""
+    """Solve from all starts and gather the results on the host, leading axis S."""
     found: InteriorSolution = run_starts(
         InteriorPoint(settings),
         PathStarts(program),

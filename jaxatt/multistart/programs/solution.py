@@ -1,4 +1,4 @@
-"""What `solve_program` found: the best answer, all starts, and what a finer flight says of it."""
+"""Result of `solve_program`: the best answer, all starts, and a finer flight."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _SHOWN = 8
 
 @dataclass(frozen=True)
 class ProgramMultipliers:
-    """How much the objective falls if a row is relaxed by one unit, at the best answer.
+    """Multipliers at the best answer: decrease of the objective if a row is relaxed by one.
 
     path_equality : (N, q) and terminal_equality : (r,), of any sign: derivatives of the objective
     by the rows.  The others are not negative, and zero where the row is not at its limit:
@@ -49,7 +49,7 @@ class FinerFlight:
 
 @dataclass(frozen=True)
 class ProgramStartsRecord:
-    """How every start ended; leading axis S.  Fields as in `ProgramSolution`."""
+    """Outcome of every start; leading axis S.  Fields as in `ProgramSolution`."""
 
     status: npt.NDArray[np.int64]
     objective: Floats
@@ -61,7 +61,7 @@ class ProgramStartsRecord:
 
 @dataclass(frozen=True)
 class ProgramSolution:
-    """Answer of `solve_program`.
+    """Result of `solve_program`.
 
     status : `Status` of the best start.  objective : its value.  violation : largest of dynamics,
     rows and bounds.  stationarity : scaled residual of the other first-order conditions.

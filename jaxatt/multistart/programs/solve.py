@@ -1,4 +1,4 @@
-"""Solve an optimal-control problem of one's own from many starts, and fly the best answer."""
+"""Solve a user's own optimal-control problem from many starts, and fly the best answer."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def solve_program(
     finer: int = 10,
     progress: Progress | None = None,
 ) -> ProgramSolution:
-    """Minimise the objective of a programme from many starts at once.
+    """Minimise the objective of an optimal-control programme from many starts at once.
 
     program : from `jaxatt.transcribe`, or written in stages.  Pass the same object again and
     nothing is compiled again.
@@ -101,7 +101,7 @@ def solve_program(
 def _guess(
     program: OptimalControlProgram, args: Any, controls: Any, states: Any, final_time: Any
 ) -> Guess:
-    """Guesses with a leading axis, the controls in units of the stages."""
+    """Guesses with a leading axis, with the controls in units of the stages."""
     layout = program.layout
     lower, _ = limits_along(program, args)
     count, size = lower.shape
@@ -145,7 +145,7 @@ _PREFERENCE = {
 
 
 def _best(found: Any) -> int:
-    """Converged first, then feasible, each by objective; otherwise the least violation."""
+    """Index of the best start: converged, then feasible, by objective; else the least violation."""
     rank = np.array([_PREFERENCE[Status(int(s))] for s in found.status])
     value = np.where(rank <= 1, found.objective, found.violation)
     return int(np.lexsort([np.nan_to_num(value, nan=np.inf), rank])[0])
@@ -155,7 +155,7 @@ def _best(found: Any) -> int:
 def _flown_finer(
     program: OptimalControlProgram, first: Array, u: Array, last: Array, args: Any, finer: int
 ) -> tuple[Array, Array, Array]:
-    """States at all nodes, error of the last one, and largest violation of the terminal rows."""
+    """States at all nodes, error of the last one, and largest violation of terminal rows."""
 
     def advance(x: Array, inputs: tuple[Array, Any]) -> tuple[Array, Array]:
         row, stage = inputs
@@ -201,7 +201,7 @@ def _answer(
     flight: FinerFlight,
     seconds: tuple[float, float],
 ) -> ProgramSolution:
-    """The record, in the user's units."""
+    """Result in the user's units."""
     layout, x, u = program.layout, found.x[best], found.u[best]
     per_control: Floats | float = 1.0
     if layout is None:

@@ -1,4 +1,4 @@
-"""Starts of a programme over stages: controls drawn at random, flown, and a user's own guesses."""
+"""Starts of a programme: random controls with their simulated states, and a user's guesses."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ _SPREAD = 4.0
 
 
 class ProgramStarts(NamedTuple):
-    """u : (S, N, b), controls of the stages.  x : (S, N + 1, s), states at all nodes."""
+    """Starting points; leading axis S.
+
+    u : (S, N, b), controls of the stages.  x : (S, N + 1, s), states at all nodes.
+    """
 
     u: Floats
     x: Floats
@@ -58,7 +61,7 @@ def _controls(rng: np.random.Generator, lower: Floats, upper: Floats) -> Floats:
 
 
 class Guess(NamedTuple):
-    """What a user knows of G starts; None where it is drawn or flown.
+    """A user's guesses of G starts; None where controls are drawn or states simulated.
 
     u : (G, N, b), controls of the stages.  states : (G, N + 1, s), the user's own.
     final_time : (G,) [s].
@@ -104,7 +107,7 @@ def draw_starts(
     seed: int,
     guess: Guess | None = None,
 ) -> ProgramStarts:
-    """Guesses and then random starts, `count` in all; number i depends on seed and i alone."""
+    """Guesses, then random starts, `count` in all; number i depends on seed and i only."""
     layout = program.layout
     lower, upper = limits_along(program, args)
     first = np.asarray(program.start(args))

@@ -19,7 +19,7 @@ from jaxatt.optimize.small_systems import invert_spd_blocks
 
 
 class LocalModel(NamedTuple):
-    """Curvature of a merit function at a point of N stages with b variables each.
+    """Curvature of a merit function at a point, for N stages of b variables each.
 
     blocks : (N, b, b), positive semidefinite.
     rows : (m, N, b), derivatives of the coupling constraints.
@@ -66,7 +66,7 @@ def _solve_dense(gradient: Array, model: LocalModel) -> Array:
 def gauss_newton(
     damping: float = 1e-9, backtracking_steps: int = 10
 ) -> optax.GradientTransformationExtraArgs:
-    """Newton direction from a `LocalModel`, followed by optax's backtracking line search.
+    """Gauss-Newton direction from a `LocalModel`, followed by optax's backtracking line search.
 
     `update` takes the keywords `model`, `value`, `grad` and `value_fn`, the last three as optax's
     line searches do.  damping : added to the diagonal of every block.

@@ -1,4 +1,4 @@
-"""The inner minimisers by name."""
+"""Inner minimisers of the augmented Lagrangian, by name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ DENSE_NAMES = ("newton", "gauss-newton", "lbfgs", "adam")
 def _without_model(
     transformation: optax.GradientTransformationExtraArgs,
 ) -> optax.GradientTransformationExtraArgs:
-    """Drop the local model, which optax's own transformations do not know."""
+    """Drop the argument `model`, which optax's own transformations do not know."""
 
     def update(
         updates: Any, state: Any, params: Any = None, *, model: Any = None, **extra: Any
@@ -29,7 +29,7 @@ def _without_model(
 
 @functools.cache
 def inner_minimiser(name: str) -> optax.GradientTransformationExtraArgs:
-    """Optax transformation for the inner minimisation of the augmented Lagrangian.
+    """Optax transformation that serves as inner minimiser of the augmented Lagrangian.
 
     "gauss-newton" uses the problem's structure and is the default; "lbfgs" and "adam" are optax's
     own, for comparison and for problems without structure.

@@ -1,4 +1,4 @@
-"""The outer loop of the augmented Lagrangian, whatever takes the inner steps.
+"""Outer loop of the augmented Lagrangian: multipliers, penalties, smoothing and termination.
 
 A pass says how far its point is from a minimum; this says whether the inner minimisation has ended
 and the whole solve, and with which multipliers, penalties and smoothing it goes on.
@@ -56,7 +56,7 @@ class Schedule:
 
 
 class Terms(NamedTuple):
-    """What makes the augmented Lagrangian of an inner minimisation."""
+    """Multipliers, penalties and smoothing that are fixed during an inner minimisation."""
 
     multipliers: Any
     penalty: Array
@@ -65,7 +65,9 @@ class Terms(NamedTuple):
 
 
 class History(NamedTuple):
-    """best_violation : () where an inner minimisation ended.  stalls : () of them without progress.
+    """Progress of a start.
+
+    best_violation : () where an inner minimisation ended.  stalls : () of them without progress.
     status : () a `Status` or `RUNNING`.  iterations : () passes.
     """
 
@@ -76,7 +78,7 @@ class History(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """What a pass finds at its point, all ().
+    """Residuals that a pass finds at its point, all ().
 
     violation : of the constraints.  gradient : largest of the augmented Lagrangian.
     slackness : complementarity that is left.  largest_multiplier : of the first-order estimates.
@@ -91,13 +93,15 @@ class Seen(NamedTuple):
 
     @property
     def stationarity(self) -> Array:
-        """The gradient, on the scale of large multipliers."""
+        """Norm of the gradient, on the scale of large multipliers."""
         return self.gradient / jnp.maximum(1.0, self.largest_multiplier / LARGE_MULTIPLIER)
 
 
 class Decision(NamedTuple):
-    """ended : () whether the inner minimisation has.  terms : for the next one if it has.
-    history : after this pass.
+    """Update after a pass.
+
+    ended : () whether the inner minimisation has.  terms : for the next one if it has. history :
+    after this pass.
     """
 
     ended: Array
@@ -106,7 +110,7 @@ class Decision(NamedTuple):
 
 
 def first_terms(schedule: Schedule, multipliers: Any, dtype: Any) -> Terms:
-    """Of the first inner minimisation."""
+    """Terms of the first inner minimisation."""
     return Terms(
         multipliers,
         jnp.asarray(schedule.penalty, dtype),
@@ -116,7 +120,7 @@ def first_terms(schedule: Schedule, multipliers: Any, dtype: Any) -> Terms:
 
 
 def first_history(dtype: Any) -> History:
-    """Of a start that has made no pass."""
+    """History of a start that has made no pass."""
     return History(
         jnp.asarray(jnp.inf, dtype), jnp.asarray(0), jnp.asarray(RUNNING), jnp.asarray(0)
     )
@@ -125,7 +129,7 @@ def first_history(dtype: Any) -> History:
 def decide(
     schedule: Schedule, terms: Terms, history: History, seen: Seen, estimates: Any, over: Array
 ) -> Decision:
-    """What becomes of a start.
+    """Decide whether the inner minimisation has ended, and update the terms if it has.
 
     estimates : first-order multipliers.  over : () whether the inner minimisation has to end, be
     it at its minimum or not.
@@ -164,12 +168,12 @@ def decide(
 
 
 def done(schedule: Schedule, history: History) -> Array:
-    """Converged, given up or out of passes, ()."""
+    """Whether a start has converged, given up or run out of passes, ()."""
     return (history.status != RUNNING) | (history.iterations >= schedule.max_iterations)
 
 
 def final_status(schedule: Schedule, status: Array, violation: Array) -> Array:
-    """Of a start that has ended with this violation at the point that is returned, ()."""
+    """Status of a start that ended with this violation at the returned point, ()."""
     feasible = violation <= schedule.tolerance
     unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
     return jnp.where(status == RUNNING, unfinished, status)

@@ -1,4 +1,4 @@
-"""Augmented Lagrangian of a programme without dynamics, from one start.
+"""Augmented-Lagrangian method for a programme without dynamics.
 
 The loop is flat: every pass evaluates the constraints and derivatives once, decides whether the
 inner minimisation has ended (then multipliers, penalty and smoothing are updated on the spot) and
@@ -98,7 +98,7 @@ def _merit(program: Program, x: Array, args: Any, values: _Values, terms: Terms)
 
 
 def _jacobian(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """Values (m,) and derivatives (m, N, b), by the cheaper of the two modes."""
+    """Values (m,) and derivatives (m, N, b), by forward or reverse mode, whichever is cheaper."""
     rows = jax.eval_shape(function, x).shape[0]
     if rows == 0:
         return jnp.zeros((0,), x.dtype), jnp.zeros((0, *x.shape), x.dtype)
@@ -121,7 +121,7 @@ def _stage_jacobian(program: Program, x: Array, args: Any) -> tuple[Array, Array
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class AugmentedLagrangian(Solver):
-    """Augmented Lagrangian of a `Program`; a start is x, (N, b).
+    """Augmented-Lagrangian method for a `Program`; a start is x, (N, b).
 
     inner : name of the inner minimiser, see `inner_minimiser`.
     """
@@ -146,7 +146,7 @@ class AugmentedLagrangian(Solver):
     passes = 8
 
     def init(self, program: Program, start: Array, args: Any) -> _State:
-        """Without multipliers."""
+        """State of a start, with multipliers of zero."""
         x, dtype = start * 1.0, start.dtype
         empty = jax.eval_shape(lambda x: _evaluate(program, x, args), x)
         return _State(
@@ -163,7 +163,7 @@ class AugmentedLagrangian(Solver):
         )
 
     def step(self, program: Program, state: _State, args: Any) -> _State:
-        """An update of the multipliers, where it is time for one, and an inner step."""
+        """Update the multipliers, if it is time for that, and take an inner step."""
         schedule, inner = self.schedule, inner_minimiser(self.inner)
         x = state.x
         equality, equality_rows = _jacobian(lambda y: program.equality(y, args), x)
@@ -174,7 +174,7 @@ class AugmentedLagrangian(Solver):
         violation = _violation(program, x, args, values)
 
         def estimate(terms: Terms) -> tuple[Multipliers, Array]:
-            """First-order multiplier estimate and the gradient of the augmented Lagrangian."""
+            """First-order multiplier estimate, and the gradient of the augmented Lagrangian."""
             weight = _equality_penalty(program, x, args, terms.penalty, equality)
             estimates = Multipliers(
                 terms.multipliers.equality + weight * equality,
@@ -246,11 +246,11 @@ class AugmentedLagrangian(Solver):
         return jax.tree.map(lambda new, old: jnp.where(going, new, old), moved, held)
 
     def done(self, state: _State) -> Array:
-        """Converged, given up or out of passes."""
+        """Whether the start has converged, given up or run out of passes."""
         return done(self.schedule, state.history)
 
     def result(self, program: Program, state: _State, args: Any) -> Solution:
-        """Constraints are evaluated at the point that is returned."""
+        """Result, with the constraints evaluated at the returned point."""
         x, schedule = state.x, self.schedule
         violation = _violation(program, x, args, _evaluate(program, x, args))
         return Solution(

@@ -1,4 +1,4 @@
-"""One stabilised Newton step on the first-order conditions, active set and multipliers included.
+"""One stabilised SQP step on the first-order conditions, by a primal-dual active-set iteration.
 
 The quadratic programme of a stabilised SQP method (Wright 1998; Gill & Robinson 2013, A globally
 convergent stabilized SQP method): the rows that bind satisfy
@@ -23,7 +23,7 @@ _ROUNDS = 9
 
 
 class Step(NamedTuple):
-    """Where the step leads: x (n,), inside the box, and multipliers (q,) of the scaled rows."""
+    """Result of a step: x (n,) inside the box, and multipliers (q,) of the scaled rows."""
 
     x: Array
     multipliers: Array
@@ -39,7 +39,7 @@ def newton_step(
     box: Box,
     equal: Array,
 ) -> Step:
-    """Step from x, (n,).
+    """Compute a stabilised Newton step from x, (n,).
 
     weight : () of the objective.  hessian : (n, n).  multipliers : (q,), y0.  mu : () > 0.
     """
@@ -88,7 +88,7 @@ def newton_step(
 
 
 def fit(at: Local, multipliers: Array, x: Array, box: Box, equal: Array) -> Array:
-    """Multipliers (q,) nearest to the given ones that leave the least gradient at x.
+    """Multipliers (q,) near the given ones that minimise the gradient of the Lagrangian at x.
 
     Where multipliers do not exist Newton's steps go to the solution all the same, and only
     multipliers that fit the new point show it.

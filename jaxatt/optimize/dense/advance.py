@@ -1,4 +1,4 @@
-"""Last part of a pass: end, or move."""
+"""Last part of an iteration: end, or move to the next point."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FAR_AWAY = 1e10
 
 
 def advance(task: Task, s: State, seen: Look, decision: Decision, trial: Trial) -> State:
-    """The state of the next pass."""
+    """State at the start of the next iteration."""
     escape, worse = _saddle(task, s, seen, trial)
     status = _status(s, seen, decision, seen.finishing & ~escape)
     moved = _moved(s, seen, decision, trial, escape, worse)
@@ -62,7 +62,7 @@ def advance(task: Task, s: State, seen: Look, decision: Decision, trial: Trial) 
 
 
 def _saddle(task: Task, s: State, seen: Look, trial: Trial) -> tuple[Array, Array]:
-    """Whether to go on from a stationary point, and whether a better feasible one is known."""
+    """Whether to move on from a stationary point, and whether a better feasible one is known."""
     here = seen.here
     room = 1e-5 * jnp.maximum(1.0, jnp.abs(here.objective))
     room = room + 2.0 * task.limits.tolerance * jnp.sum(jnp.abs(here.residuals.multipliers))
@@ -86,7 +86,7 @@ def _status(s: State, seen: Look, decision: Decision, converged: Array) -> Array
 def _moved(
     s: State, seen: Look, decision: Decision, trial: Trial, escape: Array, worse: Array
 ) -> State:
-    """After an ordinary pass: at the best trial point, or at the end of a step to be tried."""
+    """State after an ordinary iteration: at the best trial point, or at a step to be tried."""
     turned, newton = decision.turned, decision.newton
     restart = decision.ended | turned | decision.runaway | escape
     x = jnp.where(trial.lowered | escape, trial.x, s.x)

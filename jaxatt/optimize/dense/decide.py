@@ -1,4 +1,4 @@
-"""Second part of a pass: has the inner minimisation ended, and what is to be minimised next."""
+"""Second part of an iteration: has the inner minimisation ended, and what is minimised next?"""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _PROBING_PENALTY = 1e7
 
 
 class _Outer(NamedTuple):
-    """The inner minimisation of the augmented Lagrangian has `ended`, and what follows.
+    """Update of multipliers and penalty after the inner minimisation has `ended`.
 
     far : (), largest violation.  hopeless : () bool, it does not shrink.
     """
@@ -41,7 +41,10 @@ class _Outer(NamedTuple):
 
 
 class _Restoration(NamedTuple):
-    """() bool each.  restored : carry on with the programme."""
+    """Outcome of a restoration.
+
+    () bool each.  restored : carry on with the programme.
+    """
 
     restored: Array
     infeasible: Array
@@ -49,7 +52,9 @@ class _Restoration(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """merit : what the rest of this pass lowers; all others () but multipliers (q,).
+    """Decision on the rest of an iteration.
+
+    merit : the function to be lowered.  All others are () but multipliers (q,).
 
     multipliers : those of the augmented Lagrangian.  newton : a step on the first-order
     conditions comes next.  failed : the one on trial was no good.  turned : a restoration begins
@@ -77,7 +82,7 @@ class Decision(NamedTuple):
 
 
 def decide(task: Task, s: State, seen: Look) -> Decision:
-    """What the point that was `seen` means for the next step."""
+    """Decide from the current point what the next step is for."""
     gradient = seen.merit.gradient(seen.at, seen.estimate)
     reach = largest(s.x - task.box.project(s.x - gradient))
     most = jnp.where(seen.restoring, 5 * task.limits.max_inner, task.limits.max_inner)
@@ -132,7 +137,7 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
 
 
 def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Outer:
-    """Where the inner minimisation has ended: new multipliers, penalty and goal."""
+    """New multipliers, penalty and goal after an inner minimisation has ended."""
     error, tolerance = seen.here.residuals, task.limits.tolerance
     flat = (s.inner > 0) & (reach <= s.goal) & ~s.curved
     descending = s.phase == Phase.DESCENT
@@ -156,7 +161,7 @@ def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) ->
 
 
 def _restoration(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Restoration:
-    """Where a restoration has ended: carry on, or locally infeasible."""
+    """Whether a restoration has ended: back to the programme, or locally infeasible."""
     violation = seen.here.residuals.violation
     amiss = jnp.linalg.norm(violated(seen.at.rows, task.equal))
     spread = jnp.maximum(1.0, largest(seen.at.jacobian))

@@ -1,4 +1,4 @@
-"""Optax's first-order minimisers inside the dense solver, for comparison and for many variables."""
+"""First-order minimisers of optax inside the dense solver, for comparison and many variables."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxatt.optimize.dense.state import choose
 
 
 class FirstOrder:
-    """Directions by "lbfgs" or "adam"; history is dropped with every new augmented Lagrangian."""
+    """Search directions by "lbfgs" or "adam", reset with every new augmented Lagrangian."""
 
     NAMES: ClassVar[tuple[str, ...]] = ("lbfgs", "adam")
 
@@ -36,7 +36,7 @@ class FirstOrder:
         radius: Array,
         box: Box,
     ) -> tuple[Array, Any]:
-        """Trial points (k, n) and the new state; fresh : () bool, forget what was before."""
+        """Trial points (k, n) and the new state; fresh : () bool, drop the history."""
         state = choose(fresh, self._rule.init(x), state)
         free = jnp.where(fixed, 0.0, gradient)
         direction, state = self._rule.update(free, state, x)

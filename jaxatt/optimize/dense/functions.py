@@ -1,4 +1,4 @@
-"""Objective and constraints of a small programme, stacked, scaled and differentiated."""
+"""Objective and constraints of a small programme: stacked, scaled and differentiated."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SMALLEST_SCALE = 1e-8
 
 @dataclass(frozen=True)
 class Functions:
-    """Callables of (x, *args), compared by identity: the same ones are compiled once.
+    """Objective and constraints as callables of (x, *args), compared by identity.
 
     objective : () to minimise.  equality : zero when met.  inequality : non-negative when met;
     both a scalar, (m,) or None.
@@ -38,16 +38,16 @@ class Functions:
         )
 
     def rows(self, x: Array, args: Any) -> Array:
-        """Objective, equalities, inequalities, one below the other: (1 + q,)."""
+        """Objective, equalities and inequalities stacked, (1 + q,)."""
         objective, equality, inequality = self.parts(x, args)
         return jnp.concatenate([objective[None], equality, inequality])
 
     def derivatives(self, x: Array, args: Any) -> tuple[Array, Array]:
-        """Rows (1 + q,) and their derivatives (1 + q, n)."""
+        """Stacked rows (1 + q,) and their derivatives (1 + q, n)."""
         return jacobian(lambda y: self.rows(y, args), x)
 
     def hessian(self, x: Array, args: Any, weights: Array) -> Array:
-        """Second derivatives (n, n) of the rows' sum with weights (1 + q,)."""
+        """Second derivatives (n, n) of the sum of rows with weights (1 + q,)."""
         return jax.hessian(lambda y: weights @ self.rows(y, args))(x)
 
     def counts(self, x: Array, args: Any) -> tuple[int, int]:
@@ -61,7 +61,7 @@ def _rows(values: Any, x: Array) -> Array:
 
 
 def jacobian(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
-    """Values (m,) and derivatives (m, n), by the cheaper of the two modes."""
+    """Values (m,) and derivatives (m, n), by forward or reverse mode, whichever is cheaper."""
     count = jax.eval_shape(function, x).shape[0]
     if count <= x.shape[0]:
         values, pullback = jax.vjp(function, x)
@@ -84,12 +84,12 @@ class Local(NamedTuple):
 
     @property
     def finite(self) -> Array:
-        """Whether everything is."""
+        """Whether all values and derivatives are finite."""
         return jnp.all(jnp.array([jnp.all(jnp.isfinite(leaf)) for leaf in self]))
 
 
 def scale_of(derivatives: Array) -> Array:
-    """Factors that bring the steepest slope of every row down to 100, as IPOPT does.
+    """Factors that limit the gradient of every row to 100, as IPOPT does.
 
     derivatives : (1 + q, n) at the start.  Source: Waechter & Biegler (2006), section 3.8.
     """

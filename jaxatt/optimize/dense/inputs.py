@@ -1,4 +1,4 @@
-"""What `minimize` is given, checked and brought into shape; every complaint says what to do."""
+"""Check the arguments of `minimize` and bring them into shape."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _INNER = {"newton": 60, "gauss-newton": 100, "lbfgs": 300, "adam": 3000}
 
 
 def check_precision() -> None:
-    """Single precision cannot meet the tolerances."""
+    """Raise an error in single precision, which cannot meet the tolerances."""
     if jnp.result_type(float) != jnp.float64:
         raise ValueError(
             "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
@@ -32,7 +32,7 @@ def check_precision() -> None:
 
 
 def limits_of(tolerance: float, max_iterations: int | None, inner: str) -> Limits:
-    """Tolerance and passes, by default as the inner minimiser needs them."""
+    """Tolerance and iteration limits, with defaults that fit the inner minimiser."""
     if not (np.isreal(tolerance) and 0 < tolerance < np.inf):
         raise ValueError(f"tolerance = {tolerance!r}: must be a positive number, e.g. 1e-6")
     passes = _ITERATIONS[inner] if max_iterations is None else max_iterations
@@ -44,7 +44,7 @@ def limits_of(tolerance: float, max_iterations: int | None, inner: str) -> Limit
 
 
 def starts_of(x0: Any, starts: int) -> Floats:
-    """The user's own starts, (k, n)."""
+    """The starts that the user gives, (k, n)."""
     try:
         begin = np.asarray(x0, float)
     except (TypeError, ValueError) as error:
@@ -63,7 +63,7 @@ def starts_of(x0: Any, starts: int) -> Floats:
 
 
 def box_of(lower: Any, upper: Any, n: int) -> Box:
-    """Bounds, (n,) each."""
+    """Bounds on the variables, (n,) each."""
     sides = []
     for name, given, missing in (("lower", lower, -np.inf), ("upper", upper, np.inf)):
         side = np.asarray(missing if given is None else given, float)
@@ -85,7 +85,7 @@ def box_of(lower: Any, upper: Any, n: int) -> Box:
 
 
 def inner_of(inner: str, n: int) -> str:
-    """The inner minimiser's name."""
+    """Name of the inner minimiser."""
     if inner == "auto":
         return "newton" if n <= _MANY_VARIABLES else "lbfgs"
     if inner not in DENSE_NAMES:
@@ -96,7 +96,7 @@ def inner_of(inner: str, n: int) -> str:
 
 
 def key_of(key: Array | None) -> Array:
-    """The key of the draws."""
+    """Random key for drawing starts."""
     if key is None:
         return jax.random.key(0)
     if not (isinstance(key, jax.Array) and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)):
@@ -110,7 +110,7 @@ _SHAPES: dict[Any, tuple[int, int]] = {}
 
 
 def counts_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> tuple[int, int]:
-    """Number of equalities and inequalities, after a look at what the functions return."""
+    """Number of equalities and inequalities, after checking what the functions return."""
     leaves, tree = jax.tree.flatten(args)
     what = (functions, x.shape, tree, tuple((np.shape(v), jnp.result_type(v)) for v in leaves))
     if what not in _SHAPES:

@@ -1,4 +1,4 @@
-"""First part of a pass: derivatives, the test of the first-order conditions, the records."""
+"""First part of an iteration: differentiate, test optimality, update the records."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _TARGET = 1e-10
 
 
 class Look(NamedTuple):
-    """What is known at the current point.
+    """Derivatives and tests at the current point.
 
     estimate : (q,), first-order multipliers.  here : the point as it would be remembered, with
     the multipliers that were tested.  total : (), largest residual, inf where anything is not
@@ -38,7 +38,7 @@ class Look(NamedTuple):
 
 
 def look(task: Task, s: State) -> tuple[State, Look]:
-    """Test the first-order conditions here, and remember what is worth it."""
+    """Test the first-order conditions at the current point and update the records."""
     x, tolerance = s.x, task.limits.tolerance
     at = task.local(x)
     finite = at.finite

@@ -1,4 +1,4 @@
-"""What the inner minimisation lowers: the augmented Lagrangian, or the violation by itself."""
+"""Merit function of the inner minimisation: augmented Lagrangian, or constraint violation."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ class Merit(NamedTuple):
     equal: Array
 
     def estimate(self, rows: Array) -> Array:
-        """First-order multipliers (q,); those of inequalities are not positive."""
+        """First-order multiplier estimates (q,); those of inequalities are not positive."""
         free = self.multipliers + self.penalty * rows
         return jnp.where(self.equal, free, -pushed(-self.multipliers, self.penalty, rows))
 
     def value(self, objective: Array, rows: Array) -> Array:
-        """() at evaluated rows."""
+        """Merit () at evaluated rows."""
         shift = jnp.sum(self.estimate(rows) ** 2 - self.multipliers**2)
         return self.weight * objective + shift / (2.0 * self.penalty)
 
     def gradient(self, at: Local, estimate: Array) -> Array:
-        """(n,) with the multipliers' estimate (q,) there."""
+        """Gradient (n,) of the merit, given the multiplier estimate (q,)."""
         return self.weight * at.slope + at.jacobian.T @ estimate

@@ -1,4 +1,4 @@
-"""Trial points of one pass, by second-order or first-order information."""
+"""Trial points of one iteration, from second-order or first-order information."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ARC = (4.0, 1.0, 0.5, 0.25, 0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-6)
 
 
 def held(x: Array, gradient: Array, box: Box) -> Array:
-    """Variables at a bound that descent pushes against, (n,) bool.
+    """Variables (n,) bool at a bound that the descent direction would violate.
 
     Near counts as at, the nearer to a minimum the less: Bertsekas (1982), Projected Newton methods.
     """
@@ -31,14 +31,14 @@ def held(x: Array, gradient: Array, box: Box) -> Array:
 
 
 def _at_bounds(x: Array, gradient: Array, fixed: Array, box: Box) -> Array:
-    """x with the held variables put onto their bounds."""
+    """Put the held variables onto their bounds."""
     edge = jnp.where(gradient > 0, box.lower, box.upper)
     edge = jnp.where(jnp.isfinite(edge), edge, x)
     return jnp.where(fixed, edge, x)
 
 
 def descent(x: Array, gradient: Array, radius: Array, box: Box) -> Array:
-    """Along the projected gradient, (5, n)."""
+    """Trial points (5, n) along the projected gradient."""
     size = jnp.linalg.norm(gradient) + 1e-300
     shares = jnp.asarray(_SLOPES, x.dtype)
     return jax.vmap(lambda share: box.project(x - share * radius * gradient / size))(shares)
@@ -53,7 +53,7 @@ def second_order(
     radius: Array,
     box: Box,
 ) -> Array:
-    """Trust-region steps, both ways along the lowest curvature, Newton's step, the gradient."""
+    """Trial points: trust-region and Newton steps, lowest curvature both ways, gradient."""
     free = jnp.where(fixed, 0.0, gradient)
     base = _at_bounds(x, gradient, fixed, box)
     within = steps(free, spectrum, radius * jnp.asarray(_RADII, x.dtype))
@@ -69,7 +69,7 @@ def second_order(
 
 
 def _probes(x: Array, fixed: Array, radius: Array, box: Box) -> Array:
-    """Some points all around, (PROBES, n), always the same ways."""
+    """Fixed pattern of points around x, (PROBES, n)."""
     ways = np.random.default_rng(0).normal(size=(PROBES // 4, x.shape[0]))
     ways = np.concatenate([ways, -ways]) / np.linalg.norm(ways, axis=1).max()
     moves = jnp.asarray(np.concatenate([ways, 0.1 * ways]), x.dtype)
@@ -80,7 +80,7 @@ def _probes(x: Array, fixed: Array, radius: Array, box: Box) -> Array:
 def along(
     x: Array, gradient: Array, direction: Array, fixed: Array, radius: Array, box: Box
 ) -> Array:
-    """Shares of a direction, projected, and the gradient."""
+    """Trial points at fractions of a direction, projected, and along the gradient."""
     base = _at_bounds(x, gradient, fixed, box)
     move = jnp.where(fixed, 0.0, direction)
     shares = jnp.asarray(_ARC, x.dtype)

@@ -1,4 +1,4 @@
-"""How far a point and its multipliers are from the first-order conditions, in the user's units."""
+"""Residuals of the first-order conditions, in the user's units."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ _MOST_DIVISOR = 100.0
 
 
 class Box(NamedTuple):
-    """Bounds, (n,) each; -inf and inf where there is none."""
+    """Bounds on the variables, (n,) each; -inf and inf where there is none."""
 
     lower: Array
     upper: Array
 
     def project(self, x: Array) -> Array:
-        """The nearest point inside."""
+        """The nearest point inside the bounds."""
         return jnp.clip(x, self.lower, self.upper)
 
 
 class Residuals(NamedTuple):
-    """All () but the multipliers.
+    """Residuals of the first-order conditions; all () but the multipliers.
 
     violation : largest violation of a constraint.  stationarity : the larger of the scaled
     gradient of the Lagrangian and the scaled complementarity.  product : the latter's part of
@@ -43,7 +43,7 @@ class Residuals(NamedTuple):
 
     @property
     def total(self) -> Array:
-        """The largest of all; inf where anything is not finite."""
+        """Largest residual; inf where anything is not finite."""
         total = jnp.maximum(self.violation, self.stationarity)
         return jnp.where(jnp.isfinite(total), total, jnp.inf)
 
@@ -54,12 +54,12 @@ def violated(rows: Array, equal: Array) -> Array:
 
 
 def largest(values: Array) -> Array:
-    """Largest magnitude, 0 of nothing."""
+    """Largest magnitude; 0 for an empty array."""
     return jnp.max(jnp.abs(values), initial=0.0)
 
 
 def _held(slope: Array, gap: Array) -> Array:
-    """Multiplier of a bound: the slope against it, where blaming the bound is the smaller error."""
+    """Multiplier of a bound, where attributing the gradient to the bound reduces the residual."""
     push = jnp.maximum(slope, 0.0)
     safe = jnp.where(jnp.isfinite(gap), gap, 0.0)
     blame = jnp.isfinite(gap) & (safe * jnp.maximum(1.0, push) < push)
@@ -75,7 +75,7 @@ def residuals(
     unit: Array,
     equal: Array,
 ) -> Residuals:
-    """First-order conditions at x, (n,), in units of `unit`, (n,).
+    """Residuals of the first-order conditions at x, (n,), in units of `unit`, (n,).
 
     multipliers : (q,) of the scaled rows.  scale : (1 + q,).  The gradient is divided by
     max(100, mean multiplier) / 100 and so are the products of complementarity, with the mean of

@@ -1,4 +1,4 @@
-"""Augmented Lagrangian for small dense programmes, many starts side by side.
+"""Augmented-Lagrangian method for small dense programmes, many starts in one loop.
 
 As for slews the loop is flat: a pass evaluates derivatives once, decides, and moves once.  Inside
 the augmented Lagrangian, with its exact Hessian, is minimised over the box; whenever that has
@@ -41,7 +41,7 @@ from jaxatt.optimize.status import Status
 
 
 class Ending(NamedTuple):
-    """How one start ended: its best point, status () and passes ()."""
+    """Result of one start: its best point, status () and iterations ()."""
 
     found: Record
     status: Array
@@ -81,14 +81,14 @@ def solve(
 
 
 def _next(task: Task, s: State) -> State:
-    """One pass."""
+    """Run one iteration."""
     s, seen = look(task, s)
     decision = decide(task, s, seen)
     return advance(task, s, seen, decision, try_out(task, s, seen, decision))
 
 
 def _first(task: Task, began: Beginning) -> State:
-    """The state before the first pass."""
+    """State before the first iteration."""
     x = began.x / began.unit
     no_rows, no_bounds = jnp.zeros(task.equal.shape, x.dtype), jnp.zeros_like(x)
     infinite = jnp.asarray(jnp.inf, x.dtype)
@@ -129,7 +129,7 @@ def _first(task: Task, began: Beginning) -> State:
 
 
 def _ending(end: State, limits: Limits, unit: Array) -> Ending:
-    """The best point that was met, and what may honestly be said of it."""
+    """Best point of a start with the status that its residuals justify."""
     converged = end.stationary.residuals.total <= limits.tolerance
     feasible = end.feasible.residuals.violation <= limits.tolerance
     unbounded = end.status == Status.UNBOUNDED

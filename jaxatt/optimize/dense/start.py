@@ -1,4 +1,4 @@
-"""A finite place to begin, and starts drawn around the user's own."""
+"""Find a finite starting point, and draw further starts around the user's own."""
 
 from __future__ import annotations
 
@@ -17,8 +17,10 @@ _LARGEST_UNIT = 1e6
 
 
 class Beginning(NamedTuple):
-    """x : (n,), inside the box.  rows : (1 + q,) there, not scaled.  unit : (n,) of x, powers of
-    two, so that nothing is rounded.  scale : (1 + q,) of the rows.  finite : () whether it is.
+    """Starting point of a solve with its scaling.
+
+    x : (n,), inside the box.  rows : (1 + q,) there, not scaled.  unit : (n,) of x, powers of two,
+    so that nothing is rounded.  scale : (1 + q,) of the rows.  finite : () whether it is.
     """
 
     x: Array
@@ -29,7 +31,7 @@ class Beginning(NamedTuple):
 
 
 def _inside(x: Array, box: Box) -> Array:
-    """Pushed off the bounds, by the rule of Waechter & Biegler (2006), section 3.6."""
+    """Push a point off its bounds, by the rule of Waechter & Biegler (2006), section 3.6."""
     width = box.upper - box.lower
     half = jnp.where(jnp.isfinite(width), _INSIDE * width, jnp.inf)
     low = jnp.minimum(_INSIDE * jnp.maximum(1.0, jnp.abs(box.lower)), half)
@@ -40,14 +42,17 @@ def _inside(x: Array, box: Box) -> Array:
 
 
 class Draws(NamedTuple):
-    """x0 : (n,), start.  near : (k, n), points around it for where it is not finite."""
+    """Candidates for one start.
+
+    x0 : (n,), start.  near : (k, n), points around it for where it is not finite.
+    """
 
     x0: Array
     near: Array
 
 
 def begin(functions: Functions, draws: Draws, args: Any, box: Box) -> Beginning:
-    """The first of these where all values and derivatives are finite.
+    """The first candidate where all values and derivatives are finite.
 
     x0 inside the box, x0 pushed off the bounds, x0 perturbed more and more.
     """
@@ -67,7 +72,7 @@ def begin(functions: Functions, draws: Draws, args: Any, box: Box) -> Beginning:
 
 @jax.jit
 def draw(own: Array, index: Array, box: Box, root: Array) -> Draws:
-    """Starts `index`, (S,): the user's own (k, n) where there are as many, drawn ones beyond.
+    """Starts `index`, (S,): the user's own (k, n) first, drawn ones beyond.
 
     Compiled apart from the solver, which depends on the functions: random numbers take long.
     """
@@ -86,7 +91,7 @@ def draw(own: Array, index: Array, box: Box, root: Array) -> Draws:
 
 
 def drawn(x0: Array, box: Box, key: Array) -> Array:
-    """A start around x0, (n,).
+    """Draw a start around x0, (n,).
 
     Normal with the standard deviation max(1, |x0|); where both bounds are finite, every second
     one uniform over the box instead.

@@ -1,4 +1,4 @@
-"""What the dense solver carries from pass to pass."""
+"""State of the dense solver between iterations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _VIOLATION_COSTS = 10.0
 
 
 class Phase(IntEnum):
-    """What the current point is for.
+    """Purpose of the current point.
 
     DESCENT : minimise the augmented Lagrangian.  NEWTON : a step on the first-order conditions is
     on trial.  RESTORATION : minimise the violation, whatever the objective.
@@ -31,8 +31,10 @@ class Phase(IntEnum):
 
 
 class Limits(NamedTuple):
-    """tolerance : of violation and stationarity.  max_iterations : passes.  max_inner : passes
-    until the multipliers are updated in any case.
+    """Tolerance and iteration limits.
+
+    tolerance : of violation and stationarity.  max_iterations : passes.  max_inner : passes until
+    the multipliers are updated in any case.
     """
 
     tolerance: Array
@@ -41,7 +43,7 @@ class Limits(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A point worth remembering: x (n,), scaled multipliers (q,), objective (), residuals."""
+    """A recorded point: x (n,), scaled multipliers (q,), objective (), residuals."""
 
     x: Array
     multipliers: Array
@@ -50,7 +52,7 @@ class Record(NamedTuple):
 
     @property
     def worth(self) -> Array:
-        """Objective, and what a violation may have bought where multipliers grow without limit."""
+        """Objective plus what a violation may gain where multipliers grow without limit."""
         size = jnp.maximum(1.0, jnp.abs(self.objective))
         worth = self.objective + _VIOLATION_COSTS * size * jnp.cbrt(self.residuals.violation)
         return jnp.where(jnp.isnan(worth), jnp.inf, worth)
@@ -61,7 +63,7 @@ class Record(NamedTuple):
 
 
 class Anchor(NamedTuple):
-    """Where a trial of Newton steps goes back to: x (n,), multipliers (q,), total residual ()."""
+    """Point to return to after failed Newton steps: x (n,), multipliers (q,), residual ()."""
 
     x: Array
     multipliers: Array
@@ -69,7 +71,7 @@ class Anchor(NamedTuple):
 
 
 class State(NamedTuple):
-    """One start under way.
+    """State of one start between iterations.
 
     x : (n,).  safe : (n,), last point with finite derivatives.  outer : (n,), where the inner
     minimisation began.  multipliers : (q,).  penalty, radius, goal : (), goal is the gradient at
@@ -106,5 +108,5 @@ class State(NamedTuple):
 
 
 def choose(condition: Array, yes: Any, no: Any) -> Any:
-    """Leafwise `where` with a scalar condition."""
+    """Leafwise `jnp.where` with a scalar condition."""
     return jax.tree.map(lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no)

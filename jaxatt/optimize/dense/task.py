@@ -1,4 +1,4 @@
-"""One programme from one start, in the units that the solver works in."""
+"""One programme from one start, in the scaled units of the solver."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from jaxatt.optimize.dense.state import Limits
 
 @dataclass(frozen=True)
 class Task:
-    """unit : (n,), what x is divided by.  scale : (1 + q,), what the rows are multiplied by.
+    """A programme with its scaling.
+
+    unit : (n,), what x is divided by.  scale : (1 + q,), what the rows are multiplied by.
 
     box : bounds of the scaled x.  equal : (q,) bool.  inner : "newton", "gauss-newton", "lbfgs" or
     "adam".
@@ -33,15 +35,15 @@ class Task:
 
     @property
     def first_order(self) -> FirstOrder | None:
-        """The minimiser without second derivatives, if that is what was asked for."""
+        """The first-order minimiser, if one was asked for."""
         return FirstOrder(self.inner) if self.inner in FirstOrder.NAMES else None
 
     def rows(self, x: Array) -> Array:
-        """Objective and constraints, (1 + q,)."""
+        """Objective and constraints, stacked, (1 + q,)."""
         return self.functions.rows(x * self.unit, self.args) * self.scale
 
     def local(self, x: Array) -> Local:
-        """Those and their first derivatives."""
+        """Objective and constraints with their first derivatives."""
         rows, derivatives = self.functions.derivatives(x * self.unit, self.args)
         rows = rows * self.scale
         derivatives = derivatives * self.scale[:, None] * self.unit[None, :]

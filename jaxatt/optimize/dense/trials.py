@@ -1,4 +1,4 @@
-"""Third part of a pass: trial points by the inner minimiser, and the best of them."""
+"""Third part of an iteration: evaluate trial points and choose the best."""
 
 from __future__ import annotations
 
@@ -18,7 +18,9 @@ from jaxatt.optimize.dense.trust_region import spectrum_of
 
 
 class _Points(NamedTuple):
-    """points : (k, n).  reasoned : (k,) bool, those that are tried in every pass.
+    """Trial points.
+
+    points : (k, n).  reasoned : (k,) bool, those that are tried in every pass.
 
     curved, uncertain : () bool, negative curvature here, perhaps negative.  newton : the step on
     the first-order conditions.  method : state of a first-order minimiser.
@@ -33,7 +35,9 @@ class _Points(NamedTuple):
 
 
 class Trial(NamedTuple):
-    """x : (n,), lowest of the trial points.  lowered : () bool, it lies below the current point.
+    """The best trial point.
+
+    x : (n,).  lowered : () bool, it lies below the current point.
 
     downhill : () bool, what looks stationary is none, this point lies clearly below.  radius : ()
     of the next pass.  curved, newton, method : as proposed.
@@ -49,7 +53,7 @@ class Trial(NamedTuple):
 
 
 def try_out(task: Task, s: State, seen: Look, decision: Decision) -> Trial:
-    """Evaluate the merit at all trial points at once."""
+    """Evaluate the merit at all trial points at once and choose the lowest."""
     at, merit = seen.at, decision.merit
     estimate = merit.estimate(at.rows)
     gradient = merit.gradient(at, estimate)

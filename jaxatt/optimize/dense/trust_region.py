@@ -1,4 +1,4 @@
-"""Exact steps of a trust region, for several radii at once.
+"""Exact trust-region steps for several radii at once.
 
 With the eigenvalues known, every further radius costs n operations, so that the radius need not
 be guessed: the caller tries them all and keeps the best.
@@ -24,7 +24,7 @@ class Spectrum(NamedTuple):
 
 
 def spectrum_of(hessian: Array, free: Array) -> Spectrum:
-    """Of a symmetric matrix on the free variables, (n,) bool; the held ones come out last."""
+    """Eigenvalues of a symmetric matrix on the free variables, (n,) bool; held ones come last."""
     coupled = free[:, None] & free[None, :]
     finite = jnp.nan_to_num(jnp.where(coupled, hessian, 0.0), posinf=0.0, neginf=0.0)
     above = 2.0 * jnp.max(jnp.sum(jnp.abs(finite), axis=1)) + 1.0

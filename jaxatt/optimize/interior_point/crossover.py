@@ -1,6 +1,6 @@
-"""Pairs of a slack s and a multiplier z of which one is zero, as a step sees them: on a line.
+"""Complementarity pairs of slack s and multiplier z, each linearised for a Newton step.
 
-A pair's multiplier after a step is  z = aim - stiffness ds.  Under a barrier b the line is the
+A pair's multiplier after a step is  z = target - stiffness ds.  Under a barrier b the line is the
 tangent of  s z = b.  Once it is known which limits hold (the active set), it is  s = 0  or  z = 0
 itself, and Newton's method ends in a few steps even where a limit holds with hardly any force,
 where the pairs of a barrier problem only halve from step to step.
@@ -22,14 +22,14 @@ from jaxatt.optimize.interior_point.model import Bounded
 
 
 class Pairs(NamedTuple):
-    """stiffness, target : z after a step is aim - stiffness ds."""
+    """Linear relation z = target - stiffness ds that each pair obeys after a step."""
 
     stiffness: Bounded
     target: Bounded
 
 
 def barrier_pairs(slack: Bounded, dual: Bounded, barrier: Array) -> Pairs:
-    """Towards s z = barrier."""
+    """Pairs that head for s z = barrier."""
     return Pairs(
         jax.tree.map(lambda z, s: z / s, dual, slack),
         jax.tree.map(lambda s: barrier / s, slack),
@@ -37,7 +37,7 @@ def barrier_pairs(slack: Bounded, dual: Bounded, barrier: Array) -> Pairs:
 
 
 def active_pairs(active: Bounded, slack: Bounded, dual: Bounded, penalty: Array) -> Pairs:
-    """Towards s = 0 where a limit is active, by a large penalty around z, and z = 0 elsewhere."""
+    """Pairs that head for s = 0 at active limits, by a large penalty, and for z = 0 elsewhere."""
     return Pairs(
         jax.tree.map(lambda a: jnp.where(a, penalty, 0.0), active),
         jax.tree.map(lambda a, s, z: jnp.where(a, z - penalty * s, 0.0), active, slack, dual),
@@ -45,10 +45,10 @@ def active_pairs(active: Bounded, slack: Bounded, dual: Bounded, penalty: Array)
 
 
 def active_after(active: Bounded, slack: Bounded, dual: Bounded) -> Bounded:
-    """Active limits that still push, and others that were overstepped."""
+    """Active set after a step: active limits with z > 0, and limits that were overstepped."""
     return jax.tree.map(lambda a, s, z: jnp.where(a, z > 0.0, s < 0.0), active, slack, dual)
 
 
 def active_along(slack: Bounded, dual: Bounded, by_slack: Bounded, by_dual: Bounded) -> Bounded:
-    """Limits whose slack a step shrinks more, in proportion, than their multiplier."""
+    """Limits whose slack shrinks more along a step, in proportion, than their multiplier."""
     return jax.tree.map(lambda s, z, ds, dz: z * ds < s * dz, slack, dual, by_slack, by_dual)

@@ -1,4 +1,4 @@
-"""The interior-point method as a solver among others."""
+"""The interior-point method behind the interface of a solver."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from jaxatt.optimize.solver import Solver
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class InteriorPoint(Solver):
-    """Interior-point method of an `OptimalControlProgram`.
+    """Interior-point method for an `OptimalControlProgram`.
 
     A start is its controls (N, b) and states (N + 1, s), which need not obey the dynamics.
     """
@@ -43,18 +43,18 @@ class InteriorPoint(Solver):
     needs = frozenset({features.DYNAMICS})
 
     def init(self, program: OptimalControlProgram, start: tuple[Array, Array], args: Any) -> State:
-        """The start, pushed off the limits."""
+        """State of a start, pushed off the limits."""
         return begin(program, *start, args, self.settings)
 
     def step(self, program: OptimalControlProgram, state: State, args: Any) -> State:
-        """A Newton step of the barrier problem, or of the crossover."""
+        """Take a Newton step of the barrier problem, or of the crossover."""
         limits = Limits.of(program, state.place.point.nodes.u.shape[1], args)
         return advanced(program, limits, state, args, self.settings)
 
     def done(self, state: State) -> Array:
-        """Ended or out of passes."""
+        """Whether the start has ended or run out of passes."""
         return ~running(state, self.settings)
 
     def result(self, program: OptimalControlProgram, state: State, args: Any) -> InteriorSolution:
-        """What is said of the start."""
+        """Result of a start from its final state."""
         return outcome(state, self.settings)

@@ -1,4 +1,4 @@
-"""What an interior-point step needs to know of a staged programme: its derivatives at a point.
+"""Second-order model of a programme at a point, for an interior-point step.
 
 The costates of the dynamics are those of the current multipliers, by the adjoint recursion: the
 gradient of the Lagrangian by the states vanishes, and what is left by the controls and by the free
@@ -17,7 +17,10 @@ from jaxatt.optimize.optimal_control import OptimalControlProgram, lagrangian_he
 
 
 class Nodes(NamedTuple):
-    """x : (N, s), states at nodes 0 to N - 1.  end : (s,), state at node N.  u : (N, b)."""
+    """States and controls of all nodes.
+
+    x : (N, s), states at nodes 0 to N - 1.  end : (s,), state at node N.  u : (N, b).
+    """
 
     x: Array
     end: Array
@@ -30,7 +33,7 @@ class Nodes(NamedTuple):
 
 
 class Bounded(NamedTuple):
-    """One array for every kind of inequality: what is left to a limit, a multiplier, a step.
+    """One array for every kind of inequality, e.g. of slacks, multipliers or steps.
 
     path : (N, p).  final : (t,).  lower, upper : (N, b), of the controls.
     """
@@ -42,7 +45,7 @@ class Bounded(NamedTuple):
 
 
 class Model(NamedTuple):
-    """A programme to second order around nodes and multipliers; z is error state, then controls.
+    """A programme to second order around a point; z is error state, then controls.
 
     gap : (N, n), of the dynamics.  dynamics : (N, n, z).
     gradient : (N, z) and hessian : (N, z, z), of the Lagrangian without the controls' limits.
@@ -90,7 +93,7 @@ class Duals(NamedTuple):
 
 
 def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any) -> Model:
-    """Derivatives of all stages."""
+    """Compute the derivatives of all stages."""
     n, size = program.error_size, nodes.u.shape[1]
     dtype = nodes.u.dtype
     rest = jnp.zeros(n, dtype)
@@ -195,7 +198,10 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
 
 
 class Values(NamedTuple):
-    """cost : ().  path : (N, p).  final : (t,).  unmet : () sum of the sizes of gaps and rows."""
+    """Values that a line search needs.
+
+    cost : ().  path : (N, p).  final : (t,).  unmet : () sum of the sizes of gaps and rows.
+    """
 
     cost: Array
     path: Array
@@ -204,7 +210,7 @@ class Values(NamedTuple):
 
 
 def values(program: OptimalControlProgram, nodes: Nodes, args: Any) -> Values:
-    """What a line search looks at, without derivatives."""
+    """Evaluate cost and constraints without derivatives, for the line search."""
 
     def at(x: Array, x_next: Array, u: Array, stage: Any) -> tuple[Array, Array, Array]:
         ahead, cost = program.next_and_cost(x, u, stage, args)

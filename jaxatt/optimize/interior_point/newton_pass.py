@@ -1,4 +1,4 @@
-"""One pass of the interior-point method: a Newton step, its length, and what follows from it.
+"""One iteration of the interior-point method: Newton step, line search, updates.
 
 See `interior_point` for the problem and the sources.
 """
@@ -50,7 +50,7 @@ _CROSSOVER_PASSES = 8
 
 
 class _Search(NamedTuple):
-    """A step's length and how it was found.
+    """Outcome of a line search.
 
     trials : () made.  place : where the step ends, with the multipliers of before.
     """
@@ -66,7 +66,7 @@ def _where(which: Array, new: Any, old: Any) -> Any:
 
 
 def _to_boundary(value: Bounded, step: Bounded, share: Array) -> Array:
-    """Longest step up to 1 that leaves 1 - share of every value at least."""
+    """Fraction-to-boundary rule: longest step up to 1 that leaves 1 - share of every value."""
 
     def of(v: Array, dv: Array) -> Array:
         ratio = jnp.where(dv < 0.0, -share * v / jnp.minimum(dv, -_TINY), 1.0)
@@ -77,7 +77,7 @@ def _to_boundary(value: Bounded, step: Bounded, share: Array) -> Array:
 
 
 def _lowered(barrier: Array, found: Residuals, settings: InteriorSettings) -> Array:
-    """The next barrier: lower where this one's problem is solved."""
+    """Next barrier parameter: smaller once the current barrier problem is solved."""
     for _ in range(2):
         lower = jnp.minimum(settings.factor * barrier, barrier**settings.power)
         least = jnp.minimum(barrier, 0.1 * jnp.asarray(settings.tolerance, barrier.dtype))
@@ -93,7 +93,7 @@ def advanced(
     args: Any,
     settings: InteriorSettings,
 ) -> State:
-    """A start after one more pass.
+    """State of a start after one more iteration.
 
     It judges the point that it is given, and moves on from there unless that was good enough.
     """
@@ -184,7 +184,7 @@ def _searched(
     crossing_over: Array,
     args: Any,
 ) -> _Search:
-    """How far to go along a step, by a filter; in the crossover all of it."""
+    """Choose the step length by a filter; the crossover takes full steps."""
     place, nodes = state.place, state.place.point.nodes
 
     def merit(cost: Array, point: Point) -> Array:
@@ -225,7 +225,7 @@ def _searched(
 
 
 def _kept(limits: Limits, point: Point, barrier: Array, crossing_over: Array) -> Point:
-    """A point with multipliers near its barrier's; in the crossover, with nothing below zero."""
+    """Keep multipliers near those of the barrier; in the crossover, nothing below zero."""
 
     def near(z: Array, s: Array) -> Array:
         return jnp.clip(z, barrier / s / _DUAL_RANGE, barrier / s * _DUAL_RANGE)

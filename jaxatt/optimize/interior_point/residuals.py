@@ -1,4 +1,4 @@
-"""How far a point of the interior-point method is from being a solution."""
+"""Residuals of the first-order conditions in the interior-point method."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _LARGE_MULTIPLIER = 100.0
 
 
 def largest(values: Array) -> Array:
-    """Largest size, 0 of nothing."""
+    """Largest magnitude; 0 for an empty array."""
     return jnp.max(jnp.abs(values), initial=0.0)
 
 
 class Residuals(NamedTuple):
-    """All () but the last.
+    """Residuals of a point; all () but the last.
 
     gradient : of the Lagrangian.  gaps : of dynamics and all hard rows.  short : by which
     inequalities miss.  excess : of the inequalities over their slacks.  scale : of gradient and
@@ -35,22 +35,22 @@ class Residuals(NamedTuple):
     products: Bounded
 
     def stationarity(self, barrier: Array | float = 0.0) -> Array:
-        """Scaled gradient, and products that are not the barrier."""
+        """Scaled gradient of the Lagrangian, and deviation of the products from the barrier."""
         off = jnp.stack([largest(product - barrier) for product in self.products])
         return jnp.maximum(self.gradient, jnp.max(off)) / self.scale
 
     def error(self, barrier: Array) -> Array:
-        """Of a barrier's conditions."""
+        """Largest residual of a barrier problem."""
         return jnp.maximum(self.stationarity(barrier), jnp.maximum(self.gaps, self.excess))
 
     @property
     def violation(self) -> Array:
-        """Of the programme itself, whatever the slacks."""
+        """Largest constraint violation of the programme itself, whatever the slacks."""
         return jnp.maximum(self.gaps, self.short)
 
 
 def residuals(found: Model, point: Point, slack: Bounded, free_start: int) -> Residuals:
-    """Of a point with these derivatives.
+    """Compute the residuals of a point from its derivatives.
 
     free_start : coordinates of the first state that are decided.
     """
@@ -73,6 +73,6 @@ def residuals(found: Model, point: Point, slack: Bounded, free_start: int) -> Re
 
 
 def unmet(found: Values, point: Point) -> Array:
-    """Sum of the sizes of gaps, hard rows and excesses of the inequalities, ()."""
+    """Sum of the magnitudes of gaps, hard rows and violated inequalities, ()."""
     excess = jnp.sum(jnp.abs(found.path - point.path))
     return found.unmet + excess + jnp.sum(jnp.abs(found.final - point.final))

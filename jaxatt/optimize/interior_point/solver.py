@@ -1,4 +1,4 @@
-"""Primal-dual interior-point method over stages, from one start; `jax.vmap` makes it many.
+"""Primal-dual interior-point method over stages, for one start; `jax.vmap` runs many.
 
     minimise    sum of cost(x_k, u_k) + terminal_cost(x_N)
     subject to  x_(k+1) = dynamics(x_k, u_k),  equality(x_k, u_k) = 0,  final_rows(x_N) = 0,
@@ -62,7 +62,7 @@ _PUSH = 1e-2
 
 
 class InteriorSolution(NamedTuple):
-    """Where a start ended.
+    """Result of one start.
 
     x : (N + 1, s), states.  u : (N, b).  objective : ().  status : () a `Status`.
     violation : (), largest of gaps, hard rows and inequalities.  stationarity : (), largest of the
@@ -86,7 +86,7 @@ class InteriorSolution(NamedTuple):
 def begin(
     program: OptimalControlProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
 ) -> State:
-    """Before the first pass.
+    """State of a start before the first iteration.
 
     u : (N, b) and states : (N + 1, s), which need not obey the dynamics.
     """
@@ -113,7 +113,7 @@ def begin(
 
 
 def running(state: State, settings: InteriorSettings) -> Array:
-    """Whether a start has passes to go, ()."""
+    """Whether a start still has iterations to do, ()."""
     return (state.status == RUNNING) & (state.iterations < settings.max_iterations)
 
 
@@ -124,7 +124,7 @@ def advance(
     settings: InteriorSettings,
     passes: Array | int | None = None,
 ) -> State:
-    """A start some passes later, or where it has ended.
+    """Advance a start by some iterations, or until it ends.
 
     passes : at most; without it as many as it takes.
     """
@@ -143,7 +143,7 @@ def advance(
 
 
 def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
-    """What is said of a start."""
+    """Result of a start from its final state."""
     feasible = state.violation <= settings.tolerance
     unfinished = jnp.where(feasible, Status.FEASIBLE, Status.ITERATION_LIMIT)
     stuck = (state.status == Status.INFEASIBLE) & feasible
@@ -167,7 +167,7 @@ def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
 def solve_interior(
     program: OptimalControlProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
 ) -> InteriorSolution:
-    """Minimise a `OptimalControlProgram` from one start.
+    """Minimise an `OptimalControlProgram` from one start.
 
     u : (N, b) and states : (N + 1, s), which need not obey the dynamics.
 
@@ -184,7 +184,7 @@ def _first_point(
     args: Any,
     limits: Limits,
 ) -> Point:
-    """The start, pushed off the limits."""
+    """Initial point, pushed off the limits."""
     below, above, low, high = limits
     span = jnp.where(below & above, high - low, 1.0)
     u = jnp.where(below, jnp.maximum(u, low + _PUSH * span), u)

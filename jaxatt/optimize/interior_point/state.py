@@ -1,4 +1,4 @@
-"""What the interior-point method carries from pass to pass; see `interior_point`."""
+"""State of the interior-point method between iterations; see `interior_point`."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ RUNNING = -1
 
 @dataclass(frozen=True)
 class Shifts:
-    """How the curvature is shifted where a model is not convex or a step leads nowhere.
+    """Regularisation of the Hessian where a model is not convex or a step is rejected.
 
     first : of a row of rejected passes.  growth : from one to the next.  shrink : after an accepted
     pass; a shift below `least` then becomes 0.
@@ -59,7 +59,10 @@ class InteriorSettings:
 
 
 class Point(NamedTuple):
-    """path, final : values that the inequalities are to take.  The others are multipliers."""
+    """Primal and dual variables.
+
+    path, final : values that the inequalities are to take.  The others are multipliers.
+    """
 
     nodes: Nodes
     path: Array
@@ -70,7 +73,7 @@ class Point(NamedTuple):
 
 
 class Place(NamedTuple):
-    """A point, its cost, () and how much is unmet there, ()."""
+    """A point with its cost () and constraint violation ()."""
 
     point: Point
     cost: Array
@@ -78,7 +81,7 @@ class Place(NamedTuple):
 
 
 class Crossover(NamedTuple):
-    """How far the crossover is.
+    """State of the active-set crossover.
 
     left : () passes that it may still take, 0 where it is not under way.  active : limits that are
     taken to hold.  anchor : where it began, to which a start that fails in it goes back.
@@ -92,7 +95,7 @@ class Crossover(NamedTuple):
 
 
 class State(NamedTuple):
-    """Between two passes.
+    """State of a start between two iterations.
 
     barrier, shift : ().  most : () of `unmet` that a trial may have.  status : () a `Status` or
     `RUNNING`.  violation, stationarity : () at the point before.
@@ -110,7 +113,10 @@ class State(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """Of the controls, (N, b).  below, above : whether there is one.  low, high : 0 without."""
+    """Limits of the controls, (N, b).
+
+    below, above : whether there is one.  low, high : 0 without.
+    """
 
     below: Array
     above: Array
@@ -119,13 +125,13 @@ class Limits(NamedTuple):
 
     @classmethod
     def of(cls, program: OptimalControlProgram, size: int, args: Any) -> Limits:
-        """size : b."""
+        """Limits of a programme's controls, `size` of them an interval."""
         lower, upper = limits_along(program, size, args)
         below, above = jnp.isfinite(lower), jnp.isfinite(upper)
         return cls(below, above, jnp.where(below, lower, 0.0), jnp.where(above, upper, 0.0))
 
     def slacks(self, point: Point) -> Bounded:
-        """What is left to every limit; 1 where there is none."""
+        """Slack of every limit; 1 where there is none."""
         u = point.nodes.u
         return Bounded(
             point.path,
@@ -135,7 +141,7 @@ class Limits(NamedTuple):
         )
 
     def within(self, point: Point) -> Point:
-        """A point whose controls keep their limits and whose slacks are not negative."""
+        """The point with controls clipped to their limits and slacks that are not negative."""
         u = point.nodes.u
         u = jnp.where(self.below, jnp.maximum(u, self.low), u)
         u = jnp.where(self.above, jnp.minimum(u, self.high), u)
@@ -146,7 +152,7 @@ class Limits(NamedTuple):
         )
 
     def only_there(self, of: Bounded) -> Bounded:
-        """Without limits that are infinite."""
+        """Set the entries of infinite limits to zero."""
         return of._replace(
             lower=jnp.where(self.below, of.lower, 0.0), upper=jnp.where(self.above, of.upper, 0.0)
         )

@@ -1,4 +1,4 @@
-"""A Newton step over stages: one Riccati recursion and its prediction."""
+"""Newton step over all stages by one Riccati recursion and a forward sweep."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LEAST_PIVOT = 1e-11
 
 
 class Step(NamedTuple):
-    """A step of everything.
+    """A step of all primal and dual variables.
 
     x : (N, n) and end : (n,), errors of the states.  u : (N, b).
     equality : (N, q) and rows : (r,), of multipliers.
@@ -35,7 +35,7 @@ class Step(NamedTuple):
 
 
 def _weighted(slope: Array, weight: Array) -> Array:
-    """slope' diag(weight) slope, (..., z, z), as a sum of rank-one products."""
+    """Product slope' diag(weight) slope, (..., z, z), as a sum of rank-one products."""
     shape = (*slope.shape[:-2], slope.shape[-1], slope.shape[-1])
     total = jnp.zeros(shape, slope.dtype)
     for k in range(slope.shape[-2]):
@@ -45,7 +45,7 @@ def _weighted(slope: Array, weight: Array) -> Array:
 
 
 def _times(slope: Array, vector: Array) -> Array:
-    """slope vector, over the last axes."""
+    """Matrix-vector product over the last axes."""
     return jnp.sum(slope * vector[..., None, :], axis=-1)
 
 
@@ -58,7 +58,7 @@ def newton_step(
     free_start: int,
     shift: Array,
 ) -> Step:
-    """The step towards a point that is stationary and where every pair obeys its line.
+    """Newton step towards a stationary point at which every pair obeys its relation.
 
     slack : what is left to every limit.  row_penalty : (), of the hard rows, see `interior_point`.
     shift : (), added to all curvature.

@@ -1,4 +1,4 @@
-"""Least sum of magnitudes that brings some rows to zero, within limits: a primal-dual method.
+"""Primal-dual method for the least sum of magnitudes that satisfies some rows within limits.
 
     minimise    e sum sqrt((E u_k)^2 + s^2)  +  1/2 sum of w r^2 over the soft rows
     subject to  r(u) = 0 for the hard rows,  |l u_k| <= 1 at every stage k
@@ -70,7 +70,7 @@ def _longest(value: Array, step: Array) -> Array:
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class LeastEffort(Solver):
-    """Least effort of a `RootProgram`; a start is its controls, (N, b), near a root of the rows.
+    """Minimise the effort of a `RootProgram`; a start is its controls, (N, b), near a root.
 
     schedule : its tolerances, smoothing and largest number of iterations are used.
 
@@ -87,7 +87,7 @@ class LeastEffort(Solver):
     passes = 8
 
     def init(self, program: RootProgram, start: Array, args: Any) -> _State:
-        """Within the limits."""
+        """State of a start, moved within the limits."""
         limits, effort_map, effort_scale = _effort(program, args)
         faces = jnp.concatenate([limits, -limits])
         u, dtype = start * program.free(args), start.dtype
@@ -113,7 +113,7 @@ class LeastEffort(Solver):
         )
 
     def step(self, program: RootProgram, state: _State, args: Any) -> _State:
-        """A Newton step on the conditions for a minimum behind the barrier."""
+        """Take a Newton step on the optimality conditions with a barrier."""
         limits, effort_map, effort_scale = _effort(program, args)
         schedule, free, row_weight = self.schedule, program.free(args), program.row_weight(args)
         dtype, size = state.u.dtype, state.u.shape[1]
@@ -208,11 +208,11 @@ class LeastEffort(Solver):
         return jax.tree.map(lambda new, old: jnp.where(status == RUNNING, new, old), moved, ended)
 
     def done(self, state: _State) -> Array:
-        """Converged or given up."""
+        """Whether the start has converged or given up."""
         return state.status != RUNNING
 
     def result(self, program: RootProgram, state: _State, args: Any) -> Solution:
-        """The effort is the one with the last smoothing."""
+        """Result with the effort at the last smoothing."""
         _, effort_map, effort_scale = _effort(program, args)
         smoothing = self.schedule.smoothing_end
         effort = jnp.sqrt((state.u @ effort_map.T) ** 2 + smoothing**2)

@@ -1,4 +1,4 @@
-"""Reweighting between bounds of each control: few active ones, and saturation is the rule.
+"""Reweighting for controls with bounds of their own, where saturation is the rule.
 
 Every step respects lower <= u <= upper exactly, which one-sided actuators need.  It is the
 quadratic programme
@@ -59,7 +59,7 @@ class _State(NamedTuple):
 
 
 def _clipped(d: Array, pull: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
-    """Minimiser of v^2/(2 d) - pull v between bounds, and the least value's negative."""
+    """Minimiser of v^2/(2 d) - pull v between bounds, and the negative of the minimum."""
     v = jnp.clip(d * pull, lower, upper)
     return v, v * pull - v * v / (2.0 * d + _NOTHING)
 
@@ -75,7 +75,7 @@ def bounded_step(
     steps: Array | int,
     one_sided: int = 0,
 ) -> tuple[Array, Array]:
-    """Controls (M,) of the quadratic programme and its dual variables (m,), from `start`.
+    """Solve the quadratic programme of a step: controls (M,) and dual variables (m,).
 
     jacobian : (m, M).  target : (m,), what J v should be.  d, lower, upper : (M,).
     slack : (m,), 1/w.  one_sided : how many of the last rows J v may exceed their target.
@@ -113,7 +113,7 @@ def bounded_step(
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class BoundedReweighting(Solver):
-    """Few active stages between bounds that bring the rows to zero; a start is (N, b).
+    """Find few active stages between bounds that satisfy the rows; a start is (N, b).
 
     dual : Newton steps on the dual in each step.
     reach : [rad] largest row that one step may take away, so that linearisations hold.
@@ -133,14 +133,14 @@ class BoundedReweighting(Solver):
     batch_axis = 0
 
     def init(self, program: RootProgram, start: Array, args: Any) -> _State:
-        """At rest, or at the start where its support is given."""
+        """State at rest, or at the start where its support is given."""
         course, u = begin(self.settings, start, program.free(args))
         infinite = jnp.asarray(jnp.inf, start.dtype)
         rows = jax.eval_shape(lambda u: _rows(program, u, args), u)[0]
         return _State(course, u, jnp.zeros(rows.shape, start.dtype), infinite, infinite)
 
     def step(self, program: RootProgram, state: _State, args: Any) -> _State:
-        """A step of least weighted norm between the bounds."""
+        """Take a step of least weighted norm between the bounds."""
         assert program.bounds is not None
         weighted = weigh(
             self.settings, state.course, state.u, program.importance(args), program.shared
@@ -178,11 +178,11 @@ class BoundedReweighting(Solver):
         return _State(weighted.course, fresh, dual, worst, jnp.max(jnp.abs(fresh - at)))
 
     def done(self, state: _State) -> Array:
-        """After all steps."""
+        """Whether all steps have been made."""
         return done(self.settings, state.course)
 
     def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
-        """Bounds hold at every step, so there is no start that saturation could lead astray."""
+        """Result; bounds hold at every step, so saturation needs no check."""
         saturated = jnp.zeros((), bool)
         return SparseRoot(state.u, state.course.support, state.residual, saturated, state.moved)
 

@@ -1,4 +1,4 @@
-"""Reweighting by Newton steps of least weighted norm on the rows alone.
+"""Reweighting by weighted least-norm Newton steps on the rows alone.
 
 The step is  min sum |v|^2 / d  subject to  J (v - u) = -r.  Few rows make it a system of their own
 small size, whatever the number of controls.
@@ -47,7 +47,7 @@ class _State(NamedTuple):
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class CondensedReweighting(Solver):
-    """Few active controls that bring the rows to zero; a start is (N, b).
+    """Find few active controls that satisfy the rows; a start is (N, b).
 
     A start that does not succeed shows in its residual.
     """
@@ -60,13 +60,13 @@ class CondensedReweighting(Solver):
     same_passes = True
 
     def init(self, program: RootProgram, start: Array, args: Any) -> _State:
-        """At rest, or at the start where its support is given."""
+        """State at rest, or at the start where its support is given."""
         course, u = begin(self.settings, start, program.free(args))
         infinite = jnp.asarray(jnp.inf, start.dtype)
         return _State(course, u, jnp.zeros(start.shape[0], bool), infinite)
 
     def step(self, program: RootProgram, state: _State, args: Any) -> _State:
-        """A step of least weighted norm, cut at the limits."""
+        """Take a step of least weighted norm, clipped at the limits."""
         row_weight = program.row_weight(args)
         hard, size = jnp.isinf(row_weight), row_weight.shape[0]
         weighted = weigh(
@@ -92,9 +92,9 @@ class CondensedReweighting(Solver):
         )
 
     def done(self, state: _State) -> Array:
-        """After all steps."""
+        """Whether all steps have been made."""
         return done(self.settings, state.course)
 
     def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
-        """Residual and saturation are those of the last step."""
+        """Result with residual and saturation of the last step."""
         return SparseRoot(state.u, state.course.support, state.residual, jnp.any(state.held))

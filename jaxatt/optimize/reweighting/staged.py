@@ -1,4 +1,4 @@
-"""Reweighting with Riccati steps: for path constraints and large momentum.
+"""Reweighting with Riccati steps, for path constraints and large momentum.
 
 The rows are weighted so heavily that they vanish instead of being eliminated, which keeps the
 problem one of stages, and the dynamics are flown under the feedback law of each step.
@@ -55,7 +55,10 @@ class _State(NamedTuple):
 
 
 class _Laws(NamedTuple):
-    """gains : (N, b, n + 1).  path, final : new multipliers.  worst : () largest violation."""
+    """Feedback laws of a step.
+
+    gains : (N, b, n + 1).  path, final : new multipliers.  worst : () largest violation.
+    """
 
     gains: Array
     path: Array
@@ -66,7 +69,7 @@ class _Laws(NamedTuple):
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class StagedReweighting(Solver):
-    """Few active controls that bring the rows of a programme's stages to zero; a start is (N, b).
+    """Find few active controls that satisfy the rows of a staged programme; a start is (N, b).
 
     row_penalty : of hard rows, so large that what is left of them does not matter.
     path_penalty : of path constraints.
@@ -99,7 +102,7 @@ class StagedReweighting(Solver):
     same_passes = True
 
     def init(self, program: RootProgram, start: Array, args: Any) -> _State:
-        """The flight at rest, or under the start where its support is given."""
+        """State of the flight at rest, or under the start where its support is given."""
         stages, dtype = _stages(program), start.dtype
         course, first = begin(self.settings, start, program.free(args))
         x, end = fly(stages, first, args)
@@ -116,7 +119,7 @@ class StagedReweighting(Solver):
         )
 
     def step(self, program: RootProgram, state: _State, args: Any) -> _State:
-        """A Riccati step, flown with controls cut at the limits."""
+        """Take a Riccati step, flown with controls clipped at the limits."""
         assert program.limits is not None
         stages, u, limits = _stages(program), state.flown.u, program.limits(args)
         weighted = weigh(self.settings, state.course, u, program.importance(args), program.shared)
@@ -133,11 +136,11 @@ class StagedReweighting(Solver):
         return _State(weighted.course, flown, held, found.path, found.final, found.worst)
 
     def done(self, state: _State) -> Array:
-        """After all steps."""
+        """Whether all steps have been made."""
         return done(self.settings, state.course)
 
     def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
-        """Residual and saturation are those of the last step."""
+        """Result with residual and saturation of the last step."""
         saturated = jnp.any(state.held > 0.0)
         return SparseRoot(state.flown.u, state.course.support, state.residual, saturated)
 
@@ -206,7 +209,7 @@ class StagedReweighting(Solver):
         return value, model.estimates.inequality, worst
 
     def _penalties(self, dtype: Any) -> tuple[Array, Array]:
-        """Of hard rows and of path constraints, ()."""
+        """Penalties of hard rows and of path constraints, ()."""
         return jnp.asarray(self.row_penalty, dtype), jnp.asarray(self.path_penalty, dtype)
 
 

@@ -1,4 +1,4 @@
-"""Neighbours of a support: the moves of a local search over which intervals are active."""
+"""Neighbouring supports, for a local search over which intervals are active."""
 
 from __future__ import annotations
 

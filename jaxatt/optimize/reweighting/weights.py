@@ -1,4 +1,4 @@
-"""Reweighting: few active controls by steps of least weighted norm, whoever takes the steps.
+"""Reweighting: the weights and the schedule of steps that lead to few active controls.
 
 Every step minimises sum |v|^2 / d with weights d that come from the last iterate: large where it is
 large.  With d = |u|^2 + s^2 and s shrinking, that is iterative reweighting for the log-sum measure
@@ -47,7 +47,7 @@ class Reweighting:
 
 
 class SparseRoot(NamedTuple):
-    """Where a start ended.
+    """Result of one start.
 
     u : (N, b).  support : (N, b), 1 where control was allowed in the end.
     residual : () largest violation of a hard row at the point before the last step.
@@ -63,8 +63,10 @@ class SparseRoot(NamedTuple):
 
 
 class Course(NamedTuple):
-    """made : () steps.  pattern : (N, b), controls that the first weights come from.
-    support : (N, b), 1 where control is allowed.
+    """Progress of the reweighting of a start.
+
+    made : () steps.  pattern : (N, b), controls that the first weights come from. support : (N, b),
+    1 where control is allowed.
     """
 
     made: Array
@@ -73,8 +75,10 @@ class Course(NamedTuple):
 
 
 class Weighted(NamedTuple):
-    """course : after this step.  weights : (N, b), d, zero off the support.
-    deciding, freezing : () whether the support decides itself, is frozen in this step.
+    """Weights of a step.
+
+    course : after this step.  weights : (N, b), d, zero off the support. deciding, freezing : ()
+    whether the support decides itself, is frozen in this step.
     """
 
     course: Course
@@ -84,7 +88,7 @@ class Weighted(NamedTuple):
 
 
 def begin(settings: Reweighting, start: Array, free: Array) -> tuple[Course, Array]:
-    """The course of a start (N, b), and the controls (N, b) before the first step.
+    """Course of a start (N, b), and the controls (N, b) before the first step.
 
     The pattern of the start is what makes it differ from another: the first weights come from it,
     but the first step begins at rest.  Where the support is given, the start is the first controls.
@@ -94,14 +98,14 @@ def begin(settings: Reweighting, start: Array, free: Array) -> tuple[Course, Arr
 
 
 def total(values: Array) -> Array:
-    """Sum over the columns of (N, b), elementwise: the batch axis stays where it is."""
+    """Sum over the columns of (N, b), elementwise, so that the batch axis stays in place."""
     return functools.reduce(operator.add, (values[:, c] for c in range(values.shape[1])))
 
 
 def weigh(
     settings: Reweighting, course: Course, u: Array, importance: Array, shared: bool
 ) -> Weighted:
-    """Weights of the next step from the last iterate, (N, b).
+    """Compute the weights (N, b) of the next step from the last iterate.
 
     importance : (N,), cost of an active stage.  shared : whether its controls count as one.
     """

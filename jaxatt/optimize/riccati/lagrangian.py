@@ -1,4 +1,4 @@
-"""Augmented Lagrangian of a programme in stages, from one start.
+"""Augmented-Lagrangian method with Riccati steps for a programme in stages.
 
 The loop is flat, like that of `augmented_lagrangian`, with which it shares the outer part: a pass
 goes backwards over the stages once, which brings the exact gradient from the costate and a Riccati
@@ -66,7 +66,7 @@ def _seen(found: Sweep) -> Seen:
 def _searched(
     program: OptimalControlProgram, state: _State, found: Sweep, args: Any
 ) -> tuple[Trajectory, Array, Array]:
-    """The trajectory after a step, its length and whether it was accepted."""
+    """Line search along a step: the trajectory, the step length and whether it was accepted."""
 
     def flown(length: Array) -> tuple[Trajectory, Array]:
         trial, _ = fly_with_feedback(program, state.flown, found.laws, length, args)
@@ -94,7 +94,9 @@ def _searched(
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class RiccatiLagrangian(Solver):
-    """Augmented Lagrangian of an `OptimalControlProgram`; a start is its controls, (N, b).
+    """Augmented Lagrangian with Riccati steps for an `OptimalControlProgram`.
+
+    A start is its controls, (N, b).
 
     schedule : `penalty` is that of the hard rows, `stage_penalty` that of the inequalities.
     """
@@ -119,7 +121,7 @@ class RiccatiLagrangian(Solver):
     passes = 8
 
     def init(self, program: OptimalControlProgram, start: Array, args: Any) -> _State:
-        """The flight under these controls, without multipliers."""
+        """State of the flight under these controls, with multipliers of zero."""
         u, dtype = start * 1.0, start.dtype
         flown = Trajectory(*fly(program, u, args), u)
         return _State(
@@ -132,7 +134,7 @@ class RiccatiLagrangian(Solver):
         )
 
     def step(self, program: OptimalControlProgram, state: _State, args: Any) -> _State:
-        """Either an update of the multipliers, where it is time for one, or an inner step."""
+        """Update the multipliers, if it is time for that, or take an inner step."""
         schedule, terms = self.schedule, state.terms
         found = sweep(program, state.flown, terms, state.damping, args)
         over = (state.steps >= schedule.max_inner) | (state.stuck > 0)
@@ -161,11 +163,11 @@ class RiccatiLagrangian(Solver):
         return jax.tree.map(lambda new, old: jnp.where(going, new, old), moved, held)
 
     def done(self, state: _State) -> Array:
-        """Converged, given up or out of passes."""
+        """Whether the start has converged, given up or run out of passes."""
         return done(self.schedule, state.history)
 
     def result(self, program: OptimalControlProgram, state: _State, args: Any) -> Solution:
-        """Everything is evaluated at the point that is returned."""
+        """Result, evaluated at the returned point."""
         found = sweep(program, state.flown, state.terms, state.damping, args)
         flown, schedule = state.flown, self.schedule
         smoothing = jnp.asarray(schedule.smoothing_end, flown.u.dtype)

@@ -1,4 +1,4 @@
-"""The augmented Lagrangian of a staged programme: its value, and one sweep backwards over it.
+"""Augmented Lagrangian of a staged programme, and the backward sweep that differentiates it.
 
 The sweep carries two things from stage to stage: the costate, by differentiating the stage itself,
 and the Riccati recursion on the quadratic model.  Seen from the controls alone the costate gives
@@ -35,14 +35,17 @@ from jaxatt.optimize.riccati.recursion import (
 
 
 class Multipliers(NamedTuple):
-    """stage : Rows (N, q) and (N, p).  final : Rows (r,) and (t,)."""
+    """Multipliers of a staged programme.
+
+    stage : Rows (N, q) and (N, p).  final : Rows (r,) and (t,).
+    """
 
     stage: Rows
     final: Rows
 
 
 class Sweep(NamedTuple):
-    """What a sweep finds, at the trajectory it was given.
+    """Result of a backward sweep over a trajectory.
 
     merit : () the augmented Lagrangian.  gradient : () its largest derivative by a free control.
     laws : (N, b, n + 1), the step.  slope : () along it.  estimates : first-order multipliers.
@@ -91,7 +94,7 @@ def merit(
     args: Any,
     objective_only: bool = False,
 ) -> Array:
-    """Augmented Lagrangian of a trajectory, or its objective without any rows, ()."""
+    """Augmented Lagrangian () of a trajectory, or its objective without constraints."""
 
     def add(total: Array, inputs: tuple[Array, Array, Any, Rows]) -> tuple[Array, None]:
         x, u, stage, multipliers = inputs
@@ -134,7 +137,7 @@ def _tallied(rows: Rows, estimates: Rows, weight: Array) -> tuple[Array, Array, 
 def sweep(
     program: OptimalControlProgram, flown: Trajectory, terms: Terms, damping: Array, args: Any
 ) -> Sweep:
-    """Backwards over the stages: gradient, tests and the Riccati step."""
+    """Sweep backwards over the stages: gradient, optimality tests and Riccati step."""
     n, size = program.error_size, flown.u.shape[1]
     dtype = flown.u.dtype
     zeros = jnp.zeros(n, dtype)

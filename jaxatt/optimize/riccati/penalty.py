@@ -1,4 +1,4 @@
-"""Quadratic models of the rows and inequalities of a staged programme, as penalties see them.
+"""Quadratic penalty models of the constraints of a staged programme.
 
 The Powell-Hestenes-Rockafellar terms of `penalty`, in Gauss-Newton form: the curvature of the rows
 themselves is left out.
@@ -26,7 +26,7 @@ class Rows(NamedTuple):
 
 
 class PenaltyModel(NamedTuple):
-    """Model in z, error state and controls or the error state alone.
+    """Quadratic penalty model in z, the error state with or without controls.
 
     hessian : (z, z).  gradient : (z,).  estimates : first-order multiplier estimates.
     """
@@ -51,17 +51,17 @@ def differentiated(rows: Callable[[Array], Rows], at: Array) -> tuple[Rows, Arra
 
 
 def stage_rows(program: OptimalControlProgram, x: Array, u: Array, stage: Any, args: Any) -> Rows:
-    """Rows of one stage."""
+    """Constraints of one stage."""
     return Rows(program.equalities(x, u, stage, args), program.inequalities(x, u, stage, args))
 
 
 def final_rows(program: OptimalControlProgram, x: Array, args: Any) -> Rows:
-    """Rows of the last state."""
+    """Constraints on the last state."""
     return Rows(program.final_equalities(x, args), program.final_inequalities(x, args))
 
 
 def rows_along(program: OptimalControlProgram, flown: Trajectory, args: Any) -> tuple[Rows, Array]:
-    """Rows of all stages and their derivatives (N, q + p, n + b).
+    """Constraints of all stages and their derivatives (N, q + p, n + b).
 
     A loop of its own for the same reason as `riccati.derivatives_along`.
     """
@@ -86,7 +86,7 @@ def models_along(
     stage_penalty: Array,
     args: Any,
 ) -> tuple[Rows, PenaltyModel]:
-    """Rows of all stages and the models of their penalties, leading axis N."""
+    """Constraints of all stages and their penalty models, leading axis N."""
 
     def at(_: None, inputs: tuple[Rows, Array, Rows, Any]) -> tuple[None, PenaltyModel]:
         values, jacobian, held, stage = inputs
@@ -106,7 +106,7 @@ def penalty_model(
     penalty: Array,
     stage_penalty: Array,
 ) -> PenaltyModel:
-    """Model of the penalised rows from their values and derivatives (q + p, z).
+    """Penalty model of rows from their values and derivatives (q + p, z).
 
     weight : (q,) or (), inf for hard equalities.  penalty, stage_penalty : () of the hard
     equalities and of the inequalities.

@@ -41,7 +41,7 @@ class StageModel(NamedTuple):
 
 
 class Trajectory(NamedTuple):
-    """A roll-out.
+    """States and controls of a simulated trajectory.
 
     x : (N, s), states at nodes 0 to N - 1.  end : (s,), state at node N.  u : (N, b).
     """
@@ -60,7 +60,7 @@ def product(a: Array, b: Array) -> Array:
 
 
 class Eliminated(NamedTuple):
-    """What is left of a quadratic model when its last variables have minimised it.
+    """Quadratic model after some variables were minimised out.
 
     hessian : (n, n) and gradient : (n,), in the others.  law : (b, n + 1), the variables eliminated
     by the others, the constant last.  pivot : (), the least; positive where it was a minimum.
@@ -107,7 +107,7 @@ def derivatives_along(program: OptimalControlProgram, flown: Trajectory, args: A
 
 
 class Policy(NamedTuple):
-    """What a stage's share of the recursion leaves.
+    """Cost-to-go and feedback law of one stage.
 
     value : (n, n + 1), Hessian and gradient of what is to come, in the error state.
     law : (b, n + 1), gains on the error state, then the change where it is zero.
@@ -157,7 +157,7 @@ def fly_with_feedback(
     args: Any,
     limited: Limiter | None = None,
 ) -> tuple[Trajectory, Array]:
-    """Fly the dynamics under feedback laws (N, b, n + 1) around a trajectory.
+    """Simulate the dynamics under feedback laws (N, b, n + 1) around a trajectory.
 
     length : (), share of the change that each law asks for.
     limited : keeps the controls within their limits; without it there are none.

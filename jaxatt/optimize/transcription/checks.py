@@ -1,4 +1,4 @@
-"""Whether parameters fit a problem in continuous time: shapes, bounds, first values, the manifold.
+"""Check that parameters fit a problem in continuous time: shapes, bounds, values, manifold.
 
 All of it happens before anything is solved; what is wrong is named, with what was expected.
 """
@@ -24,7 +24,7 @@ _AGREES = 1e-6
 
 
 def check_parameters(of: Continuous, p: Any) -> None:
-    """Raise ValueError where the functions of the parameters do not make sense."""
+    """Raise ValueError where functions of the parameters return what they should not."""
     start = _value("initial_state", of.initial_state, (of.states,), p)
     if not np.isfinite(start).all():
         raise ValueError(f"initial_state is {start}; finite numbers are expected")
@@ -48,8 +48,10 @@ def _value(name: str, function: Callable[[Any], Array], shape: tuple[int, ...], 
 
 
 def _rows(of: Continuous) -> dict[str, tuple[Any, tuple[int, ...] | None, bool]]:
-    """The user's functions by name: with the shape that is expected, None for rows of any number,
-    and whether they are of the last state only."""
+    """The user's functions by name, with the expected shape and whether they are terminal.
+
+    A shape of None stands for rows of any number.
+    """
     every = {
         "dynamics": (of.dynamics, (of.states,), False),
         "running_cost": (of.running_cost, (), False),
@@ -82,7 +84,7 @@ def _evaluated(of: Continuous) -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _check_rows(of: Continuous, p: Any) -> None:
-    """Shapes, and numbers, of all functions and their derivatives at the first state."""
+    """Check shapes and finite values of all functions and derivatives at the first state."""
     rows = _rows(of)
     y, v = of.guess(p), jnp.zeros(of.controls)
     evaluate, derive = _evaluated(of)
@@ -110,7 +112,7 @@ def _check_rows(of: Continuous, p: Any) -> None:
 
 
 def _check_manifold(of: Continuous, x: Array) -> None:
-    """retract(x, 0) = x and difference(retract(x, e), x) = e, for a few small errors."""
+    """Check retract(x, 0) = x and difference(retract(x, e), x) = e for a few small e."""
     assert of.retract is not None and of.difference is not None
     n, s = of.error_size, of.states
     moved = jax.eval_shape(of.retract, x, jnp.zeros(n)).shape

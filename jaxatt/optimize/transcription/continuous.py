@@ -1,4 +1,4 @@
-"""An optimal-control problem in continuous time, as its user wrote it down."""
+"""An optimal-control problem in continuous time, as the user states it."""
 
 from __future__ import annotations
 
@@ -52,21 +52,21 @@ class Continuous:
 
     @property
     def parameters(self) -> int:
-        """Number of free parameters, m."""
+        """Number m of free parameters."""
         return len(self.free_lower)
 
     @property
     def decided(self) -> int:
-        """Coordinates of the first state that are decided: free parameters and final time."""
+        """Number of decided coordinates of the first state: free parameters and final time."""
         return self.parameters + (self.duration is None)
 
     @property
     def total(self) -> int:
-        """Coordinates of a state of the stages: the user's, free parameters, log of the time."""
+        """Number of states of a stage: the user's, free parameters, log of the time."""
         return self.states + self.decided
 
     def final_time(self, y: Array, p: Any) -> Array:
-        """() [s], from a state of the stages."""
+        """Final time () [s] in a state of the stages."""
         return jnp.exp(y[-1]) if self.duration is None else self.duration(p)
 
     def free(self, y: Array) -> Array:
@@ -74,7 +74,7 @@ class Continuous:
         return y[self.states : self.states + self.parameters]
 
     def extras(self, y: Array, when: Array, p: Any) -> Extras:
-        """when : () in units of the horizon."""
+        """Arguments that a function may ask for by name; when : () in units of the horizon."""
         final = self.final_time(y, p)
         return Extras(when * final, final, self.free(y))
 
@@ -88,12 +88,12 @@ class Continuous:
         return 0.5 * (low + high), 0.5 * (high - low)
 
     def unscaled(self, v: Array, p: Any) -> Array:
-        """Controls in the user's units, from those of the stages."""
+        """Convert controls of the stages to the user's units."""
         middle, half = self.scale(p)
         return middle + half * v
 
     def guess(self, p: Any) -> Array:
-        """State of the stages at the first node, before anything is decided, (S,)."""
+        """Initial state of the stages before anything is decided, (S,)."""
         parts = [self.initial_state(p)]
         if self.parameters:
             parts.append(jnp.asarray(_inside(self.free_lower, self.free_upper)))
@@ -103,7 +103,7 @@ class Continuous:
 
 
 def _inside(lower: Floats, upper: Floats) -> Floats:
-    """A value within each pair of bounds: their middle, or near the one that there is."""
+    """A value within each pair of bounds: the middle, or near the one that there is."""
     low, high = np.isfinite(lower), np.isfinite(upper)
     below, above = np.where(low, lower, 0.0), np.where(high, upper, 0.0)
     alone = np.where(low, np.maximum(below + 1.0, 0.0), np.minimum(above - 1.0, 0.0))

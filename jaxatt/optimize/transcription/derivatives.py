@@ -1,4 +1,4 @@
-"""Derivatives of a transcribed interval, for whoever solves the programme over stages.
+"""First and second derivatives of a transcribed interval.
 
 The error coordinates of the state at its beginning go through the manifold's retraction, the
 Runge-Kutta formula and the manifold's difference; each is differentiated by itself.
@@ -20,7 +20,7 @@ from jaxatt.optimize.transcription.runge_kutta import Expansion, Interval, Rate,
 
 
 def rate_of(of: Continuous) -> Rate:
-    """Rates of the user's states and of the cost, in units of the horizon; see `RungeKutta`."""
+    """Function of the rates of states and cost, in units of the horizon; see `RungeKutta`."""
 
     def rate(y: Array, v: Array, when: Array, p: Any) -> Array:
         x, u, extras = y[: of.states], of.unscaled(v, p), of.extras(y, when, p)
@@ -34,7 +34,7 @@ def rate_of(of: Continuous) -> Rate:
 
 
 class StageDerivatives:
-    """`linearisation` and `lagrangian_hessian` of a transcribed programme."""
+    """Linearisation and Lagrangian Hessian of a transcribed programme."""
 
     def __init__(self, of: Continuous, formula: RungeKutta):
         self.of, self.formula = of, formula

@@ -1,4 +1,4 @@
-"""Reading what a user hands to `transcribe`: counts, vectors, bounds and the final time."""
+"""Check and convert the arguments of `transcribe`: counts, vectors, bounds, final time."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jaxatt.runtime.arrays import Floats
 
 
 def count_of(name: str, value: Any) -> int:
-    """A whole number, at least 1."""
+    """Check a whole number of at least 1."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral) or value < 1:
         raise ValueError(f"{name} is {value!r}; a whole number from 1 on is expected")
     return int(value)
@@ -31,7 +31,7 @@ def _numbers(name: str, value: Any) -> Floats:
 
 
 def vector_of(name: str, value: Any, size: int) -> Callable[[Any], Array]:
-    """Parameters -> (size,), from an array or such a function."""
+    """Function of the parameters that returns (size,), from an array or such a function."""
     if callable(value):
         return lambda p: jnp.asarray(value(p), float)
     found = _numbers(name, value)
@@ -56,7 +56,7 @@ def _spread(name: str, value: Any, size: int | None) -> Floats:
 
 
 def constant_bounds(name: str, value: Any, size: int | None) -> tuple[Floats, Floats]:
-    """Lower and upper, (size,) each; without a value infinite, without a size as long as given."""
+    """Lower and upper bounds, (size,) each, infinite by default."""
     if value is None:
         return np.full(size or 0, -np.inf), np.full(size or 0, np.inf)
     pair = _pair(name, value)
@@ -81,7 +81,7 @@ def crossing(name: str, lower: Floats, upper: Floats) -> None:
 
 
 def bounds_of(name: str, value: Any, size: int) -> Callable[[Any], tuple[Array, Array]] | None:
-    """Parameters -> lower and upper, (size,) each."""
+    """Function of the parameters that returns lower and upper bounds, (size,) each."""
     if value is None:
         return None
     if not callable(value):
@@ -100,7 +100,7 @@ def bounds_of(name: str, value: Any, size: int) -> Callable[[Any], tuple[Array, 
 
 
 def time_of(value: Any) -> tuple[Callable[[Any], Array] | None, tuple[float, float]]:
-    """A fixed final time, parameters -> () [s], or None and its limits where it is free."""
+    """Fixed final time as a function of the parameters, or None and its limits."""
     if callable(value):
         return (lambda p: jnp.asarray(value(p), float)), (0.0, np.inf)
     if isinstance(value, (tuple, list)):

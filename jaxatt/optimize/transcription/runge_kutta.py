@@ -1,4 +1,4 @@
-"""One interval by the classical Runge-Kutta formula, and its derivatives to second order.
+"""Classical Runge-Kutta formula over one interval, with derivatives to second order.
 
 The formula evaluates the rates at a few points, each a sum of the one before and the state at the
 beginning.  So all that has to be differentiated are the rates: their Jacobians at those points give
@@ -25,14 +25,17 @@ Rate = Callable[[Array, Array, Array, Any], Array]
 
 
 class Interval(NamedTuple):
-    """time : () at its beginning and length : (), both in units of the whole horizon."""
+    """Time and length of an interval.
+
+    time : () at its beginning and length : (), both in units of the whole horizon.
+    """
 
     time: Array
     length: Array
 
 
 class Expansion(NamedTuple):
-    """An interval to first order, in z directions of its beginning, P points.
+    """First-order expansion of an interval in z directions of its beginning, with P points.
 
     end : (S,).  cost : ().  by_end : (m, z), derivatives of the moving coordinates at the end.
     by_cost : (z,).  at : (P, S + b), states and controls where the rates were evaluated.
@@ -48,7 +51,7 @@ class Expansion(NamedTuple):
 
 
 class Bending(NamedTuple):
-    """Second derivatives of cost + costate . end, and a gradient on the way.
+    """Second-order expansion of an interval, weighted by a costate.
 
     hessian : (z, z), in the directions of the beginning.  by_start : (m,), by the coordinates there
     that move.
@@ -82,7 +85,7 @@ def _formula(steps: int) -> _Formula:
 
 @dataclass(frozen=True)
 class RungeKutta:
-    """Steps of the formula for a state y (S,) of which the first m coordinates move.
+    """Runge-Kutta steps for a state y (S,), of which the first m coordinates move.
 
     rate : (y, u (b,), time (), args) -> (r,), the rates of those coordinates and, where r = m + 1,
     that of the cost, per horizon.  moving : m.  total : S.  controls : b.
@@ -126,7 +129,7 @@ class RungeKutta:
     def expand(
         self, y: Array, u: Array, interval: Interval, args: Any, spread: Array | None = None
     ) -> Expansion:
-        """The same to first order.
+        """Compute the expansion of an interval to first order.
 
         spread : (m, z), derivatives of the moving coordinates at the beginning; the last S - m + b
         directions are those of the other coordinates and the controls.  By default it is 1.
@@ -172,7 +175,7 @@ class RungeKutta:
         return self.rate(z[: self.total], z[self.total :], when, args)
 
     def _rest(self, width: int, dtype: Any) -> Array:
-        """Derivatives of all that does not move, (S - m + b, z)."""
+        """Derivatives of the coordinates that do not move, (S - m + b, z)."""
         rows = self.total + self.controls - self.moving
         return jnp.eye(rows, width, width - rows, dtype=dtype)
 
@@ -207,7 +210,7 @@ class RungeKutta:
         rest = self._rest(found.moved.shape[2], dtype)
 
         def pulled(direction: Array, only: Array) -> Array:
-            """Hessians of the weighed rates at all points along one direction there, (P, S + b)."""
+            """Hessians of the weighted rates at all points along one direction, (P, S + b)."""
 
             def at_point(at: Array, weight: Array, when: Array, moved: Array) -> Array:
                 columns = jnp.concatenate([moved, only])
@@ -226,7 +229,7 @@ class RungeKutta:
 
 
 def _times(moved: Array, bent: Array) -> Array:
-    """moved' bent at every point, (P, z, z), as a sum of rank-one products."""
+    """Sum of moved' bent over every point, (P, z, z), as rank-one products."""
     total = moved[:, 0, :, None] * bent[:, 0, None, :]
     for k in range(1, moved.shape[1]):
         total = total + moved[:, k, :, None] * bent[:, k, None, :]

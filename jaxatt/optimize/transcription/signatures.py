@@ -1,4 +1,4 @@
-"""Functions as a user writes them: of state, control, parameters and what else they name."""
+"""Call a user's functions with the arguments that they name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from jax import Array
 
 
 class Extras(NamedTuple):
-    """What a function gets if it has an argument of that name.
+    """Arguments that a function receives if it has one of that name.
 
     time : () [s].  final_time : () [s].  free : (m,), the free parameters.
     """
@@ -24,7 +24,7 @@ class Extras(NamedTuple):
 def takes_extras(
     function: Callable[..., Any], name: str, plain: tuple[str, ...]
 ) -> Callable[..., Array]:
-    """The same function of its plain arguments and then `Extras`.
+    """Wrap a function so that it takes its plain arguments and then `Extras`.
 
     name : of the function, for complaints.  plain : names of the arguments that every such function
     has, in their order.

@@ -1,4 +1,4 @@
-"""From an optimal-control problem in continuous time to the programme over stages."""
+"""Transcribe an optimal-control problem in continuous time to a programme over stages."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def transcribe(
     error_size: int | None = None,
     steps: int = 1,
 ) -> OptimalControlProgram:
-    """An optimal-control problem in continuous time as an `OptimalControlProgram`.
+    """Transcribe an optimal-control problem in continuous time to an `OptimalControlProgram`.
 
     The horizon is cut into intervals of one length with a constant control each; states at all
     nodes are variables (multiple shooting), and the dynamics and the running cost are integrated
@@ -232,13 +232,13 @@ def _programme(of: Continuous, count: int, steps: int) -> OptimalControlProgram:
 
 
 def _within(values: Array, lower: Floats, upper: Floats) -> Array:
-    """What is left to the bounds that are finite."""
+    """Margins to the bounds that are finite."""
     low, high = np.flatnonzero(np.isfinite(lower)), np.flatnonzero(np.isfinite(upper))
     return jnp.concatenate([values[low] - lower[low], upper[high] - values[high]])
 
 
 def _within_time(final: Array, shortest: float, longest: float) -> Array:
-    """What is left to the limits of the final time, as shares of them."""
+    """Margins to the limits of the final time, as shares of them."""
     rows = []
     if shortest > 0.0:
         rows.append(final / shortest - 1.0)

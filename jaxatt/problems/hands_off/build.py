@@ -1,4 +1,4 @@
-"""From a scenario to the tasks that solve it."""
+"""Build the tasks of a scenario."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jaxatt.problems.surroundings import surroundings_of
 
 
 def goal_of(scenario: Scenario) -> Goal:
-    """What the scenario minimises."""
+    """Objective of a scenario, with its weights."""
     o = scenario.objective
     weights = Weights(
         o.rate_weight,

@@ -73,7 +73,7 @@ class PhaseCertificate:
 
 @dataclass(frozen=True, eq=False)
 class CertificateRecord:
-    """What was shown of the answer of a solve, and what was only tried."""
+    """Evidence on whether the answer of a solve is the sparsest."""
 
     result: Answer
     phases: tuple[PhaseCertificate, ...]

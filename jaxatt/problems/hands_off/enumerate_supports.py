@@ -1,4 +1,4 @@
-"""Certificate of one phase: every cheaper support is tried, and all that cost as much."""
+"""Certificate of one phase, by trying every cheaper support and all that cost as much."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def certify_support(
 
 
 def _finds(records: Sequence[ClassRecord], support: npt.NDArray[np.int64]) -> bool:
-    """Whether a support that is known to reach was found to."""
+    """Whether a support that is known to reach was found again."""
     return any(
         way is not None
         and way.groups.shape[1:] == support.shape

@@ -1,4 +1,4 @@
-"""From the answer of a search to a phase: flown again, judged, labelled."""
+"""Record of a phase from the answer of a search: flown again, judged, labelled."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def phase_record(
     final_times: FinalTimes | None,
     fly: Fly,
 ) -> tuple[Phase, InitialState]:
-    """The best answer of a search as a labelled phase, and its flown end.
+    """Record of the best answer of a search, and the initial state of the next phase.
 
     fly : flies the answer again, see `Fly`.
 
@@ -113,7 +113,7 @@ def _flown_phase(
 def _valves(
     scenario: Scenario, task: SparseTask, controls: Floats, sign: float, aims: bool
 ) -> tuple[Valves, ...]:
-    """The answer with thrusters open or shut, as the scenario wants it and the other way."""
+    """The answer with thrusters open or shut, as the scenario asks for and the other way."""
     wanted = scenario.control.quantisation
     if wanted not in MODES or not isinstance(task, SlewTask):
         return ()
@@ -141,7 +141,7 @@ def _valves(
 def _failure_reason(
     task: SparseTask, answer: Candidates, pointing: PointingRecord | None = None
 ) -> str:
-    """Which constraint is in the way of the closest answer, in words."""
+    """Sentence on the constraint that the closest answer violates."""
     saturated = task.saturated_intervals(answer.controls[0])
     binding: tuple[str, ...] = ()
     if saturated:

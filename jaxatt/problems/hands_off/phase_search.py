@@ -1,4 +1,4 @@
-"""The search of one phase: with its path constraints, its final time and its first guess."""
+"""Search of one phase, with its path constraints, final time and first guess."""
 
 from __future__ import annotations
 
@@ -33,8 +33,7 @@ def search_phase(
     inner: str,
     report: Report | None,
 ) -> tuple[SparseTask, Found, FinalTimes | None]:
-    """SparseTask of a phase, what was found for it, and the final times that were tried, if it is
-    free.
+    """Search a phase; return its task, the answer and the final times tried, if it is free.
 
     Path constraints are left out at first, see `limited_search`; so are they at other final times.
     """

@@ -1,4 +1,4 @@
-"""One optimisation with its judge: what multi-start search needs to know of a problem."""
+"""A sparse control task: the interface between multi-start search and a problem."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Weights:
 
 @dataclass(frozen=True)
 class Goal:
-    """What is minimised.
+    """Objective of a sparse control task.
 
     kind : "l0", "moving-l0" or "l1".  terminal : "reach" or "penalty".
     design : 1 for one complementarity vector for all axes, 2 or 3 for one an axis.
@@ -55,7 +55,7 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """What an independent flight says of one answer.
+    """Outcome of an independent flight of one answer.
 
     verdict, cost : of the one control history.  series : name -> samples.
     reference : name -> target of a series.  end : state at the end of the horizon.
@@ -128,13 +128,13 @@ class SparseTask(ABC):
 
     @abstractmethod
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
-        """Fly (S, N, b) controls again with fine steps.
+        """Fly (S, N, b) controls again with fine steps and judge them.
 
         Returns the verdict and the named parts of the printed cost, each (S,).
         """
 
     def begin_verifying(self, pool: Executor) -> None:  # noqa: B027
-        """Compile ahead, in threads of a pool, what `verify` runs; nothing, if that is little."""
+        """Compile what `verify` runs ahead, in threads of a pool, if it is much."""
 
     @abstractmethod
     def l1_effort(self, controls: Floats) -> Floats:
@@ -147,11 +147,11 @@ class SparseTask(ABC):
         return np.asarray(slack.sum(axis=(-2, -1)))
 
     def saturated_intervals(self, controls: Floats) -> int:
-        """Intervals of one control history (N, b) in which a limit binds."""
+        """Number of intervals of one control history (N, b) in which a limit binds."""
         u = jnp.asarray(self.from_controls(controls))
         margins = np.asarray(self.system.stage_margins(u, self.arguments.plant))
         return int((margins.min(axis=1) < _BINDING).sum())
 
     @abstractmethod
     def long_way_probability(self) -> float:
-        """How often a random start should aim at the target the long way round."""
+        """Probability with which a random start heads for the target the long way."""

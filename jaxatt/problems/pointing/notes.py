@@ -1,4 +1,4 @@
-"""What a record says of cones that were taken stricter than they are."""
+"""Notes on cones that the search took stricter than they are."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from jaxatt.records.wording import limit_label
 
 
 def constraint_margin_notes(phase: Phase) -> tuple[str, ...]:
-    """Which cones the search of a phase took stricter than they are, in words."""
+    """Notes on the cones that the search took stricter than they are."""
     record = phase.pointing
     if record is None:
         return ()

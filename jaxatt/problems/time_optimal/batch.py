@@ -1,4 +1,4 @@
-"""How a start enters the programme of a reorientation, and all of them solved at once."""
+"""Entry of a start into the programme of a reorientation, and the solve of all starts."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ROWS = 32
 
 @dataclass(frozen=True)
 class PathForm:
-    """What is compiled in; a problem as `run_starts` wants it.
+    """Static part of a reorientation, as `run_starts` needs it.
 
     size : number of controls.
     """
@@ -35,13 +35,13 @@ class PathForm:
 
     @property
     def program(self) -> Any:
-        """The programme that the solver gets."""
+        """Programme for the solver."""
         return reorientation(self.form, self.size)
 
     def enter(
         self, path: Paths, parameters: ReorientationParameters
     ) -> tuple[tuple[Array, Array], ReorientationParameters]:
-        """Controls and states at which the solver begins, and parameters of one start."""
+        """Initial controls and states for the solver, and the parameters of one start."""
         own = replace(
             parameters,
             step=jnp.asarray(path.step),

@@ -1,4 +1,4 @@
-"""Time and effort against the weight rho of effort: all weights at once, from a warm start.
+"""Optima for many weights rho of effort at once, from a warm start.
 
 The best answer at one weight, found from many starts, begins the solves at all other weights, which
 are lanes of one batch.  Then every weight starts again from its neighbours' answers; what gets
@@ -27,7 +27,7 @@ _WARM = InteriorSettings(barrier=1e-2)
 
 @dataclass(frozen=True, eq=False)
 class EffortPath:
-    """Optima of one task for R weights, the weights rising.
+    """Optima of one task for R weights, in ascending order.
 
     weights : (R,) [1/(N m)^2].  final_time, cost : (R,) [s].  quadratic_effort : (R,) [(N m)^2 s].
     torques : (R, N, n + m) [N m].  step : (R,) [s].
@@ -51,7 +51,7 @@ def effort_path(
     seed: int,
     report: Report | None = None,
 ) -> EffortPath:
-    """Optima of a task for weights (R,) [1/(N m)^2]; the task's own weight is not used.
+    """Solve a task for weights (R,) [1/(N m)^2]; the task's own weight is not used.
 
     count, seed : starts of the search at the middle weight.
     """
@@ -84,7 +84,7 @@ def effort_path(
 
 
 def _warm(task: ReorientationTask, best: FreeTimeFound, paths: Paths, weights: Floats) -> Paths:
-    """The best answer's controls and states as the start of every weight."""
+    """Start every weight from the best answer's controls and states."""
     one = best.best
     count = len(weights)
 
@@ -102,7 +102,7 @@ def _warm(task: ReorientationTask, best: FreeTimeFound, paths: Paths, weights: F
 
 
 def _neighbours(begin: Paths, solution: InteriorSolution, shift: int) -> Paths:
-    """Every weight from the answer of the next lower (1) or higher (-1) one."""
+    """Start every weight from the answer of the next lower (1) or higher (-1) one."""
     index = np.clip(np.arange(len(begin.u)) - shift, 0, len(begin.u) - 1)
     states = np.asarray(solution.x)[index]
     good = np.isfinite(states).all(axis=(1, 2))[:, None, None]
@@ -114,7 +114,7 @@ def _neighbours(begin: Paths, solution: InteriorSolution, shift: int) -> Paths:
 
 
 def _cheaper(one: InteriorSolution, other: InteriorSolution) -> InteriorSolution:
-    """Lane by lane the converged and cheaper of two solutions."""
+    """Lane by lane, the converged and cheaper of two solutions."""
     better = (other.status == Status.CONVERGED) & (
         (one.status != Status.CONVERGED) | (other.objective < one.objective * (1.0 - 1e-9))
     )

@@ -1,4 +1,4 @@
-"""Numbers of a reorientation in free time."""
+"""Parameters of a reorientation in free time."""
 
 from __future__ import annotations
 

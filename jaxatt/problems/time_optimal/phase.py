@@ -1,4 +1,4 @@
-"""From a scenario whose time is minimised to its phase: searched, flown again, judged, labelled."""
+"""Solve a turn in free time and record it as a phase."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def build_time_task(
     scenario: Scenario,
     start: PhaseStart = PhaseStart(),  # noqa: B008
 ) -> ReorientationTask:
-    """Task of one phase of a scenario of one of `TIME_KINDS`, by default the first."""
+    """Build the task of a scenario of one of `TIME_KINDS`."""
     assert scenario.vehicle is not None
     horizon = scenario.horizon
     goal = TimeGoal(
@@ -134,7 +134,7 @@ def time_record(
 
 
 def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:
-    """What the best answer's flight says of cones and rate limits."""
+    """Record of cones and rate limits along the best answer's flight."""
     if not task.pointing:
         return None
     torque, step = found.controls[found.best][None], found.step[found.best][None]

@@ -1,4 +1,4 @@
-"""Multi-start search for the best reorientation in free time: Algorithm A, all starts at once.
+"""Multi-start search for the best reorientation in free time (Algorithm A of the source).
 
 1. Every start is a random feasible path (`random_paths`).
 2. All of them are solved at once by the interior-point method; those that end make room for others.
@@ -64,7 +64,7 @@ class FreeTimeFound:
 
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
-        """(S,), by re-simulation."""
+        """Whether the flight of each start reached the target, (S,)."""
         return self.verdict.reached
 
 
@@ -116,13 +116,13 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
 
 
 def _between(task: ReorientationTask) -> int:
-    """Nodes an interval at which a flight is judged: many where the path is limited."""
+    """Nodes an interval at which a flight is judged: many where there are path constraints."""
     form = task.form
     return 20 if task.pointing or form.speed_limited else 1
 
 
 def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, float]:
-    """Index of the answer, number of minima, share of the starts at the best."""
+    """Index of the answer, number of minima, and share of the starts at the best."""
     usable = np.where(np.isfinite(cost), cost, np.inf)
     missed = np.where(verdict.reached, 0.0, np.maximum(1.0, verdict.shortfall))
     best = int(np.lexsort((usable, missed))[0])
@@ -135,7 +135,7 @@ def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, f
 def _between_nodes(
     task: ReorientationTask, paths: Paths, found: FreeTimeFound, report: Report | None
 ) -> FreeTimeFound:
-    """Take cones and rates stricter where the best answer cuts them between nodes; solve again."""
+    """Tighten cones and rates that the best answer violates between nodes; solve again."""
     for _ in range(_MOST_TIGHTENINGS if task.pointing else 0):
         ended = np.flatnonzero(found.status == Status.CONVERGED)
         if not len(ended):

@@ -1,4 +1,4 @@
-"""Certificate in plain numbers and in labelled arrays."""
+"""A certificate as plain numbers and as labelled arrays."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was shown of an answer, and what was only tried, in words."""
+"""Sentences on what a certificate shows and what was only tried."""
 
 from __future__ import annotations
 
@@ -86,12 +86,12 @@ def _where(phase: PhaseCertificate) -> str:
 
 
 def number_text(number: int) -> str:
-    """A number of supports, in digits where they mean something."""
+    """Text of a number of supports, in digits where they mean something."""
     return f"{number}" if number < LARGE else f"{float(number):.3g}"
 
 
 def duration_text(seconds: float) -> str:
-    """A time in the unit that suits it."""
+    """Text of a duration in a suitable unit."""
     for unit, size in (("years", 3.15576e7), ("days", 86400.0), ("hours", 3600.0), ("min", 60.0)):
         if seconds >= size:
             return f"{seconds / size:.3g} {unit}"

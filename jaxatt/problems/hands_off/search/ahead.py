@@ -1,4 +1,4 @@
-"""What a search is going to run, compiled side by side before it is asked for."""
+"""Compile the programs of a search ahead and in parallel."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from jaxatt.runtime.chunks import cores
 
 @contextmanager
 def compiled_ahead(task: SparseTask, method: Method) -> Iterator[None]:
-    """Begin with what `decide`, `polish` and the flights run; at the end nothing is at work.
+    """Start compiling what `decide`, `polish` and the flights run; wait for it at the end.
 
     Of slews by pulses to a target all of it, in the order in which it is needed; of others only the
     flights.

@@ -1,4 +1,4 @@
-"""Supports of two bursts, the first and the last intervals: where sparse slews with valves end up.
+"""Bang-off-bang supports: the first and the last intervals, none between.
 
 Torque early and late has the longest lever, so slews that saturate use the ends of the horizon.
 Trying every such support of a size is cheap, rescues searches that do not arrive, and is evidence
@@ -42,20 +42,19 @@ def bang_off_bang_supports(task: SparseTask, shapes: Iterable[tuple[int, int]]) 
 
 
 def _both_ways(task: SparseTask, supports: Mask) -> tuple[Floats, Mask, Floats]:
-    """Controls at rest, the supports twice, and the way round, 1 then -1."""
+    """Controls at rest and supports, once for each way round (1, then -1)."""
     twice = np.concatenate([supports, supports])
     sign = np.repeat([1.0, -1.0], len(supports))
     return np.zeros((len(twice), task.intervals, task.size)), twice, sign
 
 
 def try_bang_off_bang(task: SparseTask, size: int, method: Method) -> Candidates:
-    """Every support of `size` intervals in two bursts, both ways round, flown and judged."""
+    """Try every bang-off-bang support of `size` intervals, both ways round."""
     return screen(task, *_both_ways(task, bang_off_bang_supports(task, _shapes(size))), method)
 
 
 def nearest_bursts(task: SparseTask, size: int, method: Method, attempts: int = 4) -> Candidates:
-    """As `try_bang_off_bang`, but each support ends as near to the target as it can, reached or
-    not.
+    """As `try_bang_off_bang`, but drive each support as near to the target as it gets.
 
     The squared errors are minimised within limits from `attempts` beginnings, at rest and random:
     what is left on the best of them tells how far out of reach a size is.
@@ -78,6 +77,6 @@ def _shapes(size: int) -> list[tuple[int, int]]:
 
 
 def cheapest_bursts(task: SparseTask, most: int, method: Method) -> Candidates:
-    """A first burst of every length up to `most`, alone or with as long a one at the end."""
+    """Try torque at the start only, or as long at the end too, for every length up to `most`."""
     shapes = [(first, last) for first in range(1, most + 1) for last in (0, first)]
     return polish(task, *_both_ways(task, bang_off_bang_supports(task, shapes)), method)

@@ -1,4 +1,4 @@
-"""How a start enters the programmes of sparse control: what is compiled in and what is its own."""
+"""Entry of a start into the programmes of sparse control: static part and own data."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from jaxatt.runtime.arrays import Floats
 
 
 class Lanes(NamedTuple):
-    """What differs from start to start; leading axis S.
+    """Data that differ from start to start; leading axis S.
 
     u : (S, N, b).  free : (S, N, b).  row_weight : (S, m).  sign : (S,).
     """
@@ -35,7 +35,7 @@ class Lanes(NamedTuple):
 
 @dataclass(frozen=True)
 class Form:
-    """What is compiled in; a problem as `run_starts` wants it.
+    """Static part of a sparse problem, as `run_starts` needs it.
 
     system : the controlled system.  shared : whether an interval's controls count as one.
     kind : which programme the solver gets: "sparse" without dynamics, "slacks" the L1 problem with
@@ -50,7 +50,7 @@ class Form:
 
     @property
     def program(self) -> Any:
-        """The programme that the solver gets."""
+        """Programme for the solver."""
         if self.kind == "stages":
             return sparse_stages(self.system, self.size, self.shared)
         if self.kind == "stage roots":
@@ -60,13 +60,13 @@ class Form:
 
     @property
     def label(self) -> str | None:
-        """See `jaxatt.runtime.compilation`; None for systems that have none."""
+        """Label for `jaxatt.runtime.compilation`; None for systems that have none."""
         if self.system.label is None:
             return None
         return repr((self.system.label, self.shared, self.kind, self.size))
 
     def enter(self, lane: Lanes, arguments: SparseArguments) -> tuple[Array, SparseArguments]:
-        """Variables at which the solver begins and arguments of one lane."""
+        """Initial variables for the solver, and the arguments of one lane."""
         u = jnp.asarray(lane.u)
         own = replace(
             arguments,
@@ -80,7 +80,7 @@ class Form:
 def broadcast_lanes(
     u: Floats, free: Array | Floats, row_weight: Array | Floats, sign: Floats
 ) -> Lanes:
-    """Lanes from starts (S, N, b) and whatever is common to all of them."""
+    """Lanes from starts (S, N, b) and data that all of them share."""
     count = len(u)
     return Lanes(
         u,

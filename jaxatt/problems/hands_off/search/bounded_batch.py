@@ -1,4 +1,4 @@
-"""Settings and answers of reweighting for controls with limits of their own."""
+"""Reweighting settings and answers for controls with bounds of their own."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def polish_bounded(
     progress: Progress | None = None,
     rows: int = CHUNK,
 ) -> Candidates:
-    """The least effort on the lanes' supports, or the least printed cost, flown and judged.
+    """Minimise effort or printed cost on the lanes' supports, fly and judge the answers.
 
     Where the printed cost is minimised, the answer with every control on its nearer limit stands
     in for a start where it costs less: the cost punishes partly open thrusters.
@@ -74,14 +74,14 @@ def polish_bounded(
 
 
 def bounds_of(task: SparseTask) -> tuple[Array, Array]:
-    """Limits (b,) of a task's scaled controls."""
+    """Bounds (b,) of a task's scaled controls."""
     bounds = task.system.bounds
     assert bounds is not None
     return bounds(task.arguments.plant)
 
 
 def _snapped(u: Floats, lower: Floats, upper: Floats) -> Floats:
-    """Every control on the nearest of zero and its limits."""
+    """Round every control to the nearest of zero and its limits."""
     levels = np.stack(np.broadcast_arrays(np.zeros_like(u), lower, upper))
     nearest = np.abs(levels - u).argmin(axis=0)
     return np.asarray(np.take_along_axis(levels, nearest[None], axis=0)[0])

@@ -1,12 +1,12 @@
-"""Multi-start search where every control has limits of its own, as one-sided thrusters have.
+"""Multi-start search for controls with bounds of their own, such as one-sided thrusters.
 
 1. Reweighted Newton steps between the bounds decide which intervals are active, from every start.
 2. The support is frozen and the L1 effort is minimised on it.
-3. If no start arrives, two bursts at the ends of the horizon are tried, shortest first.
+3. If no start arrives, bang-off-bang supports are tried, the shortest first.
 4. The best supports found are improved by dropping and moving single intervals.
-5. Two bursts with fewer and fewer intervals are tried for as long as some arrive.
+5. Bang-off-bang supports of fewer and fewer intervals are tried for as long as some arrive.
 6. Where the printed cost is minimised, that answer competes with doing nothing, with starts on the
-   cost itself and with bursts that leave the target aside.
+   cost itself and with bang-off-bang torques that leave the target aside.
 """
 
 from __future__ import annotations
@@ -35,7 +35,10 @@ MakeMethod = Callable[[str, str], Method]
 
 @dataclass(frozen=True)
 class BoundedFound:
-    """starts : one candidate a start.  pool : all answers, the starts included."""
+    """Outcome of a search.
+
+    starts : one candidate a start.  pool : all answers, the starts included.
+    """
 
     starts: Candidates
     pool: Candidates
@@ -44,7 +47,7 @@ class BoundedFound:
 def search_bounded(
     task: SparseTask, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> BoundedFound:
-    """Answers to a task whose system has bounds; see `search.search`."""
+    """Search a task whose system has bounds; see `search.search`."""
     if task.goal.terminal == "penalty":
         return _cheapest(task, count, seed, guess, method)
     starts = from_bounded_starts(task, count, seed, guess, method)
@@ -59,7 +62,7 @@ def search_bounded(
 def from_bounded_starts(
     task: SparseTask, count: int, seed: int, guess: Floats | None, method: MakeMethod
 ) -> Candidates:
-    """What `count` starts find by themselves."""
+    """Answers of `count` starts, without any improvement afterwards."""
     scaled = None if guess is None else task.from_controls(guess)
     drawn = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
     drawn = drawn._replace(u=np.abs(drawn.u))
@@ -76,7 +79,7 @@ def from_bounded_starts(
 
 
 def _rescued(task: SparseTask, method: MakeMethod) -> list[Candidates]:
-    """Bursts at both ends, longer and longer until some arrive."""
+    """Try bang-off-bang supports, longer and longer, until some reach."""
     size = 2
     while size <= task.intervals:
         tried = try_bang_off_bang(task, size, method("l0", "trying bursts at both ends"))
@@ -87,7 +90,7 @@ def _rescued(task: SparseTask, method: MakeMethod) -> list[Candidates]:
 
 
 def _shortened(task: SparseTask, pool: Candidates, method: MakeMethod) -> Candidates:
-    """The pool with the shortest pair of bursts that arrives, if it beats what is there."""
+    """Pool with the shortest bang-off-bang answer added, if it beats what is there."""
     best = pool.pick(pool.order(True)[0])
     if not best.verdict.reached[0]:
         return pool

@@ -1,4 +1,4 @@
-"""Answers with the verdict of their re-simulation, and what makes one better than another."""
+"""Answers with the verdict of their re-simulation, and their ranking."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Candidates:
         return np.lexsort(keys)
 
     def pick(self, index: npt.NDArray[np.int64] | int) -> Candidates:
-        """Some of the candidates, or one (S = 1)."""
+        """Select some of the candidates, or one (S = 1)."""
         rows = np.atleast_1d(index)
         return Candidates(
             self.controls[rows],
@@ -57,7 +57,7 @@ class Candidates:
 
 
 def join(*parts: Candidates) -> Candidates:
-    """One set of candidates out of several."""
+    """Concatenate several sets of candidates."""
     return Candidates(
         np.concatenate([p.controls for p in parts]),
         np.concatenate([p.status for p in parts]),
@@ -69,7 +69,7 @@ def join(*parts: Candidates) -> Candidates:
 
 
 def support_of(task: SparseTask, controls: Floats) -> Mask:
-    """Active groups of one control history, (N, g): g = 1 when an interval counts as one."""
+    """Active groups of one control history, (N, g); g = 1 where an interval counts as one."""
     active: Mask = np.abs(controls) > task.threshold
     return np.any(active, axis=-1, keepdims=True) if task.shared else active
 
@@ -94,7 +94,7 @@ def evaluate(
     iterations: npt.NDArray[np.int64],
     sign: Floats,
 ) -> Candidates:
-    """Turn scaled variables into candidates: flown, judged and ranked."""
+    """Fly scaled variables, judge and rank them."""
     controls = task.to_controls(np.nan_to_num(u))
     verdict, parts = task.verify(controls)
     cost = np.sum(list(parts.values()), axis=0) if task.goal.terminal == "penalty" else None
@@ -104,7 +104,7 @@ def evaluate(
 
 
 def better(a: Floats, b: Floats) -> bool:
-    """Whether rank a is smaller than rank b beyond rounding."""
+    """Whether rank a is smaller than rank b by more than rounding."""
     margin = 1e-7 * np.maximum(1.0, np.abs(b))
     for x, y, m in zip(a, b, margin, strict=True):
         if abs(x - y) > m:

@@ -1,4 +1,4 @@
-"""All supports of a kind, tried one by one in batches: what a sparsest answer is measured against.
+"""Enumeration of supports, tried in batches, as evidence for minimality.
 
 Supports are grouped in classes by how many active groups of each weight they have, so that those
 which cost less than a known answer can be told from those which cost as much.
@@ -42,7 +42,7 @@ class SupportClass:
 
     @property
     def size(self) -> int:
-        """Active groups."""
+        """Number of active groups."""
         return sum(self.counts)
 
     @property
@@ -52,13 +52,13 @@ class SupportClass:
 
     @property
     def number(self) -> int:
-        """Supports in the class."""
+        """Number of supports in the class."""
         return math.prod(math.comb(n, c) for n, c in zip(self.available, self.counts, strict=True))
 
 
 @dataclass(frozen=True)
 class Enumerated:
-    """Supports that were tried, one way round; leading axis S.
+    """Outcome of trying supports one way round; leading axis S.
 
     groups : (S, K, 2), interval and group of every active group.
     reached : (S,), whether the roll-out meets the target within limits.
@@ -106,7 +106,7 @@ def _supports(task: SparseTask, kind: SupportClass) -> Iterator[list[tuple[int, 
 
 
 def masks_of(task: SparseTask, groups: npt.NDArray[np.int64]) -> Mask:
-    """Supports (S, N, g) from the groups (S, K, 2) that are active in them."""
+    """Masks (S, N, g) of supports given by their active groups (S, K, 2)."""
     masks: Mask = np.zeros((len(groups), task.intervals, 1 if task.shared else task.size), bool)
     for column in range(groups.shape[1]):
         masks[np.arange(len(groups)), groups[:, column, 0], groups[:, column, 1]] = True
@@ -120,7 +120,7 @@ def try_supports(
     method: Method,
     u: Floats | None = None,
 ) -> tuple[Floats, Floats, Flags]:
-    """Controls (S, N, b) with the least effort on supports (S, K, 2), and their residuals (S,).
+    """Minimise effort on supports (S, K, 2): controls (S, N, b) and residuals (S,).
 
     u : first controls; at rest without them.  The flags (S,) say where a limit binds.
     """
@@ -180,7 +180,7 @@ def enumerate_class(
 
 
 def from_pairs(task: SparseTask, method: Method, count: int) -> tuple[Floats, Mask] | None:
-    """Controls and supports of the `count` pairs of active groups that reach with least effort.
+    """The `count` pairs of groups that reach with least effort: controls and supports.
 
     Where an answer needs so little torque that pulses far apart fall below the threshold, random
     starts, which end up far apart, do not find it.  None if no pair reaches.

@@ -1,4 +1,4 @@
-"""Search over the final time as well: the step of the grid is free, the number of intervals not.
+"""Search over controls and final time together, with a fixed number of intervals.
 
 Where active intervals are counted, the cost is a staircase in the final time: a count holds down to
 the final time at which torque limits bind, plus the price of the time.  So its optimum is the least
@@ -103,7 +103,7 @@ def _pool(found: Found) -> Candidates:
 
 
 def _times(pricing: Pricing, most: int) -> list[float]:
-    """Final times below the longest, each a fixed share of the one before."""
+    """Final times below the longest, in geometric progression."""
     times = [pricing.longest * _SCAN_RATIO**k for k in range(1, most + 1)]
     return [time for time in times if time > pricing.lowest]
 

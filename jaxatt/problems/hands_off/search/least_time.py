@@ -1,4 +1,4 @@
-"""The least final time of a support, and supports that are worth another final time.
+"""Least final time of a support, and exchange of supports at other final times.
 
 Which final times a support of active intervals allows is decided by the torque limits: from its
 least final time on it reaches.  So a count and a price for the time make one threshold for every
@@ -30,11 +30,11 @@ NEAR = 0.03
 _GALLOP = 0.8
 _ROUNDS = 40
 _LONGER_BURST = 1
-"""How much longer than the other one burst of a pair may be."""
+"""Intervals by which torque at one end may be longer than at the other."""
 
 
 def shorten(offer: Offer, rebuild: Rebuild, method: Method, ledger: Ledger) -> Offer:
-    """The same support at its least final time.
+    """Shorten a support's answer to its least final time.
 
     Bisection on whether the least effort on it, within all limits, reaches leads near it:  shorter
     and shorter until it does not, then in between.  Final times between which it fails are not
@@ -58,7 +58,7 @@ def _bisected(
     method: Method,
     ledger: Ledger,
 ) -> tuple[Offer, float]:
-    """A final time at which a support reaches and a shorter one at which it does not, or zero."""
+    """A final time at which a support reaches, and a shorter one at which it does not, or zero."""
     lowest = ledger.pricing.lowest
     while good.final_time - max(lowest, bad) > tolerance * good.final_time:
         shorter = math.sqrt(bad * good.final_time) if bad else _GALLOP * good.final_time
@@ -78,7 +78,7 @@ def _on(
     method: Method,
     ledger: Ledger,
 ) -> Offer:
-    """A support's best answer at another final time, from a known one and from rest."""
+    """Best answer of a support at another final time, from a known answer and from rest."""
     task = rebuild(like.task, final_time)
     # The same turn in less time: torques grow with the square of the rate of time.
     faster = (like.final_time / final_time) ** 2
@@ -92,10 +92,10 @@ def _on(
 def exchange(
     offer: Offer, others: Sequence[Mask], rebuild: Rebuild, method: Method, ledger: Ledger
 ) -> Offer:
-    """Change the support for as long as that pays, each one at its least final time.
+    """Replace the support by cheaper ones, each at its least final time, while that pays.
 
     Tried are `others`, supports with one interval dropped, moved or added, with one added to each
-    side of every burst, and two bursts of any length at the ends of the horizon.
+    side of every run of active intervals, and bang-off-bang supports of any length.
     """
     best = offer
     for _ in range(_ROUNDS):
@@ -107,7 +107,7 @@ def exchange(
 
 
 def finish(offer: Offer, method: Method, ledger: Ledger) -> Offer:
-    """The same support at the same final time, its effort the least to the full tolerance."""
+    """Minimise the effort on the support to the full tolerance, at the same final time."""
     task, answer = offer.task, offer.answer
     support = support_of(task, answer.controls[0])[None]
     ended = polish(task, task.from_controls(answer.controls), support, answer.sign, method)
@@ -139,7 +139,7 @@ def _exchanged(
 
 
 def _worth(count: float, best: Offer, ledger: Ledger) -> float | None:
-    """Final time at which a count costs less than the best answer; None if it has none."""
+    """Final time below which a count would cost less than the best answer, or None."""
     pricing = ledger.pricing
     gain = best.cost - count - 2.0 * TOLERANCE * pricing.weight * best.final_time
     if gain <= 0.0:
@@ -150,7 +150,7 @@ def _worth(count: float, best: Offer, ledger: Ledger) -> float | None:
 
 
 def _changed(task: SparseTask, support: Mask) -> list[Mask]:
-    """Supports that are tried instead of one."""
+    """Supports to try instead of this one."""
     free: Mask = np.asarray(task.arguments.free) > 0
     allowed: Mask = np.any(free, axis=1, keepdims=True) if task.shared else free
     found = [*neighbours(support, allowed), *_grown(support, allowed)]
@@ -171,7 +171,7 @@ def _halves(size: int) -> range:
 
 
 def _grown(support: Mask, allowed: Mask) -> list[Mask]:
-    """Supports with one more interval beside an active one, and with one more beside each."""
+    """Supports with one more interval beside an active one, or one beside each."""
     beside = np.zeros_like(support)
     beside[1:] |= support[:-1]
     beside[:-1] |= support[1:]

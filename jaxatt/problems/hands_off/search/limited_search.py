@@ -1,8 +1,8 @@
-"""Search under path constraints that cost nothing where they do not bind.
+"""Search under path constraints, which are enforced only where an answer violates them.
 
 They are left out at first, and only judged; where the flights say that they matter the search is
 made again with them in the way.  Between the nodes a search knows them roughly only, the
-flights exactly: what they find in excess is added to a guard around the limits, and the supports
+flights exactly: what they find in excess is added to a margin of the limits, and the supports
 that were found are polished again.
 """
 
@@ -24,14 +24,14 @@ from jaxatt.runtime.chunks import Report, chunk_for
 
 _ROUNDS = 3
 _LITTLE = 0.02
-"""Excess up to which a guard is worth a try: [rad] over a cone, or a share of a rate limit."""
+"""Excess up to which a margin is worth a try: [rad] over a cone, or a share of a rate limit."""
 _BEYOND = 1.2
-"""Times the excess that a guard grows by."""
+"""Factor of the excess by which a margin grows."""
 
 
 @dataclass(frozen=True)
 class Limited:
-    """Outcome.
+    """Outcome of a search under path constraints.
 
     task : as it was searched in the end.  found : what was found.
     constraint_margin : (m + 1,), by how much limits were taken stricter than they are: cones [rad],
@@ -51,7 +51,7 @@ def search_within_limits(
     inner: str = "auto",
     report: Report | None = None,
 ) -> Limited:
-    """As `search`, of a task whose path constraints are left to its verdict."""
+    """As `search`, for a task whose path constraints are at first only judged."""
     if not isinstance(task, SlewTask) or not task.has_path_limits:
         return Limited(task, search(task, count, seed, guess, inner, report), None)
     anywhere = search(task.ignoring_path_limits(), count, seed, guess, inner, report)
@@ -73,7 +73,7 @@ def search_within_limits(
             outcomes.append(Limited(enforced, found, constraint_margin))
         if _violating(outcomes[-1]) is None:
             break
-    # A guard may cost an answer that the round before it found.
+    # A larger margin may cost an answer that the round before it found.
     reached = [outcome for outcome in outcomes if outcome.found.best.verdict.reached[0]]
     best = (reached or outcomes[-1:])[0]
     for other in reached[1:]:
@@ -83,7 +83,7 @@ def search_within_limits(
 
 
 def _judged(task: SlewTask, found: Found) -> Found:
-    """What was found without path constraints with a verdict that has them."""
+    """Judge an answer that was found without path constraints by them."""
 
     def judged(candidates: Candidates) -> Candidates:
         return replace(candidates, verdict=task.verify(candidates.controls)[0])
@@ -93,7 +93,7 @@ def _judged(task: SlewTask, found: Found) -> Found:
 
 
 def _speed_limits_tried(task: SlewTask) -> Iterator[bool]:
-    """Whether wheel speeds, which ask for more states, are enforced too: first without."""
+    """Whether wheel speed limits are enforced: first without, then with."""
     if task.pointing:
         yield False
     if task.has_speed_limits and not task.form.has_thrusters:
@@ -101,7 +101,7 @@ def _speed_limits_tried(task: SlewTask) -> Iterator[bool]:
 
 
 def _violating(outcome: Limited) -> Candidates | None:
-    """What would be the answer but for a path constraint, if there is such a thing."""
+    """Best answer that only a path constraint rules out, or None."""
     found, soft = outcome.found, outcome.task.goal.terminal == "penalty"
     pool = join(found.best, found.starts)
     if not soft:
@@ -116,7 +116,7 @@ def _violating(outcome: Limited) -> Candidates | None:
 
 
 def _polished_again(task: SlewTask, found: Found, inner: str) -> Found:
-    """The same supports with the least effort within the limits of a task."""
+    """Minimise the effort on the same supports within the limits of a task."""
     every = join(found.best, found.starts)
     method = Method(
         "l1" if task.goal.kind == "l1" else "l0",
@@ -133,7 +133,7 @@ def _polished_again(task: SlewTask, found: Found, inner: str) -> Found:
 
 
 def _grown(outcome: Limited) -> Floats | None:
-    """The guard that what would be the answer asks for; None where there is no need or no use."""
+    """Larger constraint margin for the violating answer; None without need or use."""
     first, task, constraint_margin = _violating(outcome), outcome.task, outcome.constraint_margin
     if first is None or constraint_margin is None or not isinstance(task, SlewTask):
         return None

@@ -15,7 +15,7 @@ _ROUNDS = 12
 def improve(
     task: SparseTask, candidate: Candidates, method: Method, tried: set[bytes]
 ) -> Candidates:
-    """Drop and move single intervals of a support for as long as that makes it better.
+    """Drop and move single intervals of a support while that improves the answer.
 
     tried : supports that were polished before and need not be again; grows as the search goes on.
     """
@@ -41,7 +41,7 @@ def improve(
 
 
 def _finished(task: SparseTask, candidate: Candidates, method: Method) -> Candidates:
-    """The candidate polished to the end, where that makes it better."""
+    """Polish the candidate to full tolerance, where that improves it."""
     support = support_of(task, candidate.controls[0])[None]
     ended = polish(task, task.from_controls(candidate.controls), support, candidate.sign, method)
     arrived = bool(ended.verdict.reached[0]) or task.goal.terminal == "penalty"

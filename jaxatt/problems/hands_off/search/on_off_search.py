@@ -1,4 +1,4 @@
-"""Search among thrusters that are open for whole intervals: a combinatorial problem.
+"""Combinatorial search for thrusters that are open for whole intervals.
 
 Every pattern is flown, many at once; single openings are flipped or moved for as long as that
 brings the end nearer, from randomly rounded beginnings and then, again and again, from the best
@@ -39,7 +39,7 @@ def _ends(u: Array, p: SlewParameters, form: SlewForm) -> Array:
 
 
 def nearest_pattern(task: SlewTask, u: Floats, sign: float, seed: int) -> Floats:
-    """Scaled controls (N, b) with thrusters at 0 or 1 whose flight ends nearest to the target.
+    """Controls (N, b) with thrusters at 0 or 1 whose flight ends nearest to the target.
 
     u : (N, b), a relaxed answer; the result has no more active intervals.  sign : the way round.
     Nearest means the largest error in units of its tolerance.  Wheels keep their torque.
@@ -94,7 +94,7 @@ def nearest_pattern(task: SlewTask, u: Floats, sign: float, seed: int) -> Floats
 
 
 def _descend(bits: Bits, score: object, admissible: object) -> tuple[Bits, float]:
-    """The pattern at the end of a steepest descent, and its score."""
+    """End of a steepest descent over patterns, and its score."""
     assert callable(score) and callable(admissible)
     value = float(score(bits[None])[0])
     for _ in range(_ROUNDS):
@@ -109,7 +109,7 @@ def _descend(bits: Bits, score: object, admissible: object) -> tuple[Bits, float
 
 
 def _kicked(bits: Bits, rng: np.random.Generator) -> Bits:
-    """The pattern with a few openings of its used intervals flipped at random."""
+    """Pattern with a few random openings of its used intervals flipped."""
     used = np.flatnonzero(bits.any(axis=1))
     if not len(used):
         return bits
@@ -121,7 +121,7 @@ def _kicked(bits: Bits, rng: np.random.Generator) -> Bits:
 
 
 def _neighbours(bits: Bits) -> Bits:
-    """Patterns (S, N, m) with one opening flipped in a used interval, or moved to one nearby."""
+    """Patterns (S, N, m) with one opening flipped, or moved to a nearby interval."""
     made = []
     used = np.flatnonzero(bits.any(axis=1))
     beside = np.unique(np.clip(np.concatenate([used - 1, used, used + 1]), 0, len(bits) - 1))

@@ -1,4 +1,4 @@
-"""From starts to supports, and from supports to the least effort on them."""
+"""Decide supports from starts, and minimise the effort on them."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ SETTLED = 1e-5
 
 @dataclass(frozen=True)
 class Method:
-    """How a task is solved.
+    """Choice of solvers for a task.
 
     decides : "l0" or "l1", what decides the support.
     inner : name of the inner minimiser of the augmented Lagrangian; "riccati" takes the problem
@@ -83,7 +83,7 @@ class Method:
     def run(
         self, task: SparseTask, solver: Solver, kind: str, lanes: Lanes, arguments: SparseArguments
     ) -> Any:
-        """Results of a solver from all lanes; kind : of the programme, see `Form`."""
+        """Run a solver from all lanes; kind : of the programme, see `Form`."""
         form = Form(task.system, task.shared, kind, task.size)
         return run_starts(solver, form, lanes, arguments, rows=self.rows, progress=self.progress)
 
@@ -93,17 +93,17 @@ class Method:
         return AugmentedLagrangian(schedule, inner)
 
     def stages_for(self, task: SparseTask) -> bool:
-        """Whether Riccati steps are taken: by choice, or where path constraints ask for them."""
+        """Whether Riccati steps are taken: by choice, or because of path constraints."""
         if self.decides != "l0" or task.system.stages is None:
             return False
         own = task.system.decided_by is DecidedBy.STAGES
         return self.inner == "riccati" or (self.reweights and own)
 
     def reweights_for(self, task: SparseTask) -> bool:
-        """Whether reweighting is chosen and applies."""
-        way = task.system.decided_by
-        condensed = self.reweights and self.decides == "l0" and way is DecidedBy.CONDENSED
-        return condensed or way is DecidedBy.BOUNDS or self.stages_for(task)
+        """Whether supports are decided by reweighting."""
+        by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
+        by_pulses |= task.system.decided_by is DecidedBy.BOUNDS
+        return by_pulses or self.stages_for(task)
 
     def spends_least_for(self, task: SparseTask) -> bool:
         """Whether supports are polished by the primal-dual method.
@@ -116,7 +116,7 @@ class Method:
 
 
 def count_arguments(task: SparseTask) -> SparseArguments:
-    """Arguments with which the count of active intervals is minimised."""
+    """Arguments with which the number of active intervals is minimised."""
     return replace(task.arguments, count_scale=jnp.asarray(task.sparsity_weight))
 
 
@@ -127,14 +127,15 @@ def effort_arguments(task: SparseTask) -> SparseArguments:
 
 
 def _free(task: SparseTask, support: Mask) -> Floats:
-    """Variables free on a support (..., N, g), without those that are forbidden."""
+    """Free variables of a support (..., N, g), without forbidden ones."""
     full = np.broadcast_to(support, (*support.shape[:-1], task.size))
     return full * np.asarray(task.arguments.free)
 
 
 def reweighting(task: SparseTask, method: Method, settings: Reweighting) -> tuple[Solver, str]:
-    """The reweighting that suits a task, by pulses, stage by stage or between bounds, and the kind
-    of its programme.
+    """Choose the reweighting for a task, and the kind of its programme.
+
+    By pulses, stage by stage, or between bounds.
 
     settings : where there are bounds, only whether the support is decided or given is read from it.
     """
@@ -147,14 +148,14 @@ def reweighting(task: SparseTask, method: Method, settings: Reweighting) -> tupl
 
 
 def reweight(task: SparseTask, lanes: Lanes, method: Method, settings: Reweighting) -> SparseRoot:
-    """Reweighted steps for all lanes."""
+    """Take reweighted steps for all lanes."""
     solver, kind = reweighting(task, method, settings)
     found: SparseRoot = method.run(task, solver, kind, lanes, count_arguments(task))
     return found
 
 
 def decide(task: SparseTask, starts: Starts, method: Method) -> tuple[Floats, Mask]:
-    """Scaled controls and the support they suggest, one for every start."""
+    """Scaled controls and support of every start."""
     count = len(starts.u)
     free = np.broadcast_to(np.asarray(task.arguments.free), starts.u.shape)
     weight = np.asarray(task.arguments.weight)
@@ -182,7 +183,7 @@ def decide(task: SparseTask, starts: Starts, method: Method) -> tuple[Floats, Ma
 
 
 def screen(task: SparseTask, u: Floats, supports: Mask, sign: Floats, method: Method) -> Candidates:
-    """As `polish`, but soon given up: most neighbours of a good support lead nowhere."""
+    """As `polish` with few iterations, to discard poor neighbours of a support early."""
     if not method.reweights_for(task):
         return polish(task, u, supports, sign, method, SCREENING)
     free = _free(task, supports)
@@ -208,7 +209,7 @@ def polish(
     method: Method,
     most: int | None = None,
 ) -> Candidates:
-    """Spend the least on frozen supports (S, N, g), from u (S, N, b), and fly the answers.
+    """Minimise the effort on supports (S, N, g), from u (S, N, b), and fly the answers.
 
     most : iterations; by default as many as a full polish may take.
     """
@@ -228,7 +229,7 @@ def polish(
 
 
 def spending(task: SparseTask, method: Method, most: int | None = None) -> tuple[Solver, str]:
-    """What minimises the effort on a support, and the kind of its programme; see `polish`."""
+    """Choose the solver of the least effort on a support, and the kind of its programme."""
 
     def up_to(schedule: Schedule) -> Schedule:
         return schedule if most is None else replace(schedule, max_iterations=most)

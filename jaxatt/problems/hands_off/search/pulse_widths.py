@@ -1,4 +1,4 @@
-"""Pulse widths that fly where partly open thrusters would have flown."""
+"""Pulse widths whose flight ends where partly open thrusters would have ended."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _STIFF = 1e-2
 def _correction(
     u: Array, rows: Array, lower: Array, upper: Array, d: Array, p: SlewParameters, form: SlewForm
 ) -> Array:
-    """Smallest change (N, b) of scaled controls that takes rows (6,) away, between limits."""
+    """Smallest change (N, b) of scaled controls within limits that removes rows (6,)."""
     _, jacobian = thruster_response(u, p, form)
     flat = jnp.swapaxes(jacobian, 0, 1).reshape(rows.shape[0], -1)
     weights = d.ravel()
@@ -49,7 +49,7 @@ def _correction(
 
 @jax.jit
 def _rows(q_ob: Array, omega_ib: Array, p: SlewParameters) -> Array:
-    """Terminal errors of a flight's state at the end of the horizon, (6,)."""
+    """Terminal errors (6,) of a flight's last state."""
     q = quaternion.multiply(p.table.nodes.orbit_attitude[-1], q_ob)
     return terminal_errors(q, omega_ib, p)
 
@@ -57,7 +57,7 @@ def _rows(q_ob: Array, omega_ib: Array, p: SlewParameters) -> Array:
 def solve_widths(
     task: SlewTask, u: Floats, sign: float, lower: Floats, upper: Floats
 ) -> tuple[Pulses, float]:
-    """Pulses near scaled controls u (N, b) whose flight ends at the target, and what is left.
+    """Solve for pulses near controls u (N, b) whose flight ends at the target.
 
     Newton's method on flights with exact switching times; derivatives are those of the mean torque.
     sign : the way round.  lower, upper : (N, b), limits; equal where nothing may change.
@@ -86,12 +86,12 @@ def solve_widths(
 
 
 def _duty(task: SlewTask, u: Floats) -> Floats:
-    """Share of each interval (N, m) for which a thruster would be open at its limit."""
+    """Duty cycle (N, m) of each thruster at its limit."""
     return task.thrust(u * task.scale) / np.asarray(task.craft.thrusters.torque_limit)
 
 
 def pulses_of(task: SlewTask, u: Floats, anchor: Floats | None = None) -> Pulses:
-    """Openings for scaled controls (N, b); see `place`."""
+    """Place openings for scaled controls (N, b); see `place`."""
     duty = _duty(task, u)
     chosen = anchors(duty) if anchor is None else anchor
     return place(duty, chosen, task.wheel_torque(u * task.scale), task.step)

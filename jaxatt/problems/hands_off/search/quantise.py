@@ -1,4 +1,4 @@
-"""From partly open thrusters to valves that are open or shut, flown again.
+"""Quantisation: turn partly open thrusters into valves that are open or shut.
 
 The relaxed answer says which valves open and for how much; `pulse-width` gives each the time that
 this takes and corrects the times on exact flights, `interval` opens it for whole intervals or not
@@ -25,7 +25,7 @@ MODES = ("pulse-width", "interval")
 
 @dataclass(frozen=True, eq=False)
 class Quantised:
-    """An answer with valves that are open or shut, as it flew.
+    """Flight of an answer with valves that are open or shut.
 
     mode : one of `MODES`.  pulses : the openings.  flown : the flight, nodes leading.
     errors : "attitude" [rad] and "rate" [rad/s].  reached : whether within the task's tolerances.
@@ -68,7 +68,7 @@ def quantise(
 
 
 def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
-    """Fly pulses with fine steps and say how they ended."""
+    """Fly pulses with fine steps and judge the flight."""
     flown = task.fly_pulses(pulses)
     errors = task.end_errors(flown.q_ob[None], flown.omega_ob[None])
     found = {name: float(error[0]) for name, error in errors.items()}
@@ -95,7 +95,7 @@ def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
 
 
 def _unopposed(task: SlewTask, u: Floats) -> Floats:
-    """Scaled controls with the torque that opposed thrusters share taken off both."""
+    """Remove from opposed thrusters the torque that cancels between them."""
     u = u.copy()
     thrusters, first = task.craft.thrusters, task.craft.wheels.count
     strength = np.linalg.norm(np.asarray(thrusters.distribution), axis=0) * np.asarray(
@@ -109,7 +109,7 @@ def _unopposed(task: SlewTask, u: Floats) -> Floats:
 
 
 def _by_width(task: SlewTask, u: Floats, sign: float) -> Pulses:
-    """Pulses of any width that the valves allow; openings too short are dropped or prolonged."""
+    """Pulses of any width that the valves allow; shorter ones are dropped or prolonged."""
     first = task.craft.wheels.count
     shortest = np.zeros(task.size)
     shortest[first:] = task.craft.thrusters.shortest_pulse / task.step

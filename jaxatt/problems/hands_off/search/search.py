@@ -36,7 +36,7 @@ class Found:
     starts : one candidate a start.  best : the answer (S = 1), maybe better than every start.
     reaching : the best that reaches the target, None if nothing does.
     distinct_minima : different answers among the starts that reached the target.
-    resting_cost : the printed cost of doing nothing, where the printed cost is minimised.
+    do_nothing_cost : the printed cost of doing nothing, where the printed cost is minimised.
     """
 
     starts: Candidates
@@ -108,7 +108,7 @@ def search(
 
 
 def chosen(task: SparseTask, starts: Candidates, pool: Candidates) -> Found:
-    """The best of a pool of answers; where the printed cost counts, doing nothing is one."""
+    """Choose the best of a pool of answers; with the printed cost, rest is one of them."""
     reached_first = task.goal.terminal == "reach"
     do_nothing_cost = None
     if not reached_first:
@@ -122,7 +122,7 @@ def chosen(task: SparseTask, starts: Candidates, pool: Candidates) -> Found:
 
 
 def look(task: SparseTask, count: int, seed: int) -> Candidates:
-    """What `count` starts find by themselves: nothing is rescued, moved or improved."""
+    """Answers of `count` starts, without rescue, exchange or improvement."""
     decides = "l1" if task.goal.kind == "l1" else "l0"
     rows = chunk_for(count)
     if task.system.decided_by is DecidedBy.BOUNDS:
@@ -146,7 +146,7 @@ def _distinct(task: SparseTask, candidates: Candidates) -> int:
 
 
 def _resting(task: SparseTask) -> Candidates:
-    """The answer that does nothing, which a printed cost may prefer."""
+    """The answer without torque, which a printed cost may prefer."""
     nothing = np.zeros((1, task.intervals, task.size))
     status = np.array([int(Status.FEASIBLE)])
     return evaluate(task, nothing, status, np.zeros(1, int), np.ones(1))

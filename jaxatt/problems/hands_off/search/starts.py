@@ -1,4 +1,4 @@
-"""Starting points; start i depends on the seed and on i, never on how many there are."""
+"""Random starting points; start i depends on the seed and on i only."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RELATIVE_NOISE = 0.3
 
 
 class Starts(NamedTuple):
-    """S starts.
+    """Starting points; leading axis S.
 
     u : (S, N, b), scaled controls.  sign : (S,), -1 to aim the long way round.
     confined : (S,), whether to look inside the cheap windows only at first.
@@ -48,7 +48,7 @@ def draw(
     long_way_probability: float,
     guess: Floats | None = None,
 ) -> Starts:
-    """Random pulses of log-normal height, or a guess with random relative changes.
+    """Draw random pulses of log-normal height, or random changes of a guess.
 
     guess : (N, b) scaled controls, e.g. of a PD or L1 solution or the user's own; start 0 is the
     guess itself.
@@ -67,7 +67,7 @@ def draw(
 
 
 def _quantile(probability: float) -> float:
-    """What a standard normal stays below with this probability."""
+    """Quantile of the standard normal distribution."""
     if not 0.0 < probability < 1.0:
         return np.inf if probability >= 1.0 else -np.inf
     return NormalDist().inv_cdf(probability)

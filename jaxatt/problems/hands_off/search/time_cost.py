@@ -1,4 +1,4 @@
-"""What a final time costs beside what happens in it, and the record of the final times tried."""
+"""Cost of a final time, and the record of the final times tried."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FLOOR = 1e-3
 
 @dataclass(frozen=True)
 class Trial:
-    """One final time that was tried.
+    """Record of one final time that was tried.
 
     final_time : [s].  cost : with the time's own; infinite where nothing reached the target.
     active_intervals : of the best answer there.  reached : whether it reached the target.
@@ -38,7 +38,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class Pricing:
-    """What is minimised over the final time T, of at most `longest` [s] and at least `shortest`.
+    """Cost of the final time T, and the shortest and longest that are allowed [s].
 
     weight : [1/s], cost of a second in active intervals.
 
@@ -58,7 +58,7 @@ class Pricing:
         return max(self.shortest, FLOOR * self.longest)
 
     def costs(self, task: SparseTask, answers: Candidates) -> Floats:
-        """(S,) costs; infinite where the target is a constraint and not reached."""
+        """Costs (S,); infinite where the target is a constraint and not reached."""
         goal, first, price = task.goal, answers.rank[:, 0], 1.0
         if goal.terminal == "penalty":
             price = task.effort_weight if goal.kind == "l1" else task.sparsity_weight
@@ -72,7 +72,7 @@ class Pricing:
 
 @dataclass(frozen=True)
 class Offer:
-    """One answer (S = 1) to a task with its final time.
+    """An answer (S = 1) at its final time.
 
     cost : with the time's own.
     """
@@ -83,13 +83,13 @@ class Offer:
 
     @property
     def final_time(self) -> float:
-        """[s]."""
+        """Final time of the task [s]."""
         return self.task.final_time
 
 
 @dataclass(frozen=True)
 class Ledger:
-    """Prices answers and keeps the record of the final times tried.
+    """Computes the costs of answers and records the final times tried.
 
     progress : called with the number of final times just tried, by the host.
     """
@@ -99,7 +99,7 @@ class Ledger:
     trials: list[Trial] = field(default_factory=list)
 
     def offer(self, task: SparseTask, answers: Candidates, how: str, exact: bool = False) -> Offer:
-        """The cheapest of some answers, entered into the record; effort breaks ties.
+        """Record some answers and return the cheapest; effort breaks ties.
 
         exact : whether only those count whose constraints held for the solver, and not those that
         only just reach thanks to the target's tolerances.

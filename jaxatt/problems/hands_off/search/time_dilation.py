@@ -1,4 +1,4 @@
-"""The least final time of a support, with the step as a variable of the programme."""
+"""Least final time of a support by time dilation."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _least_time(
 
 
 def dilate_time(offer: Offer, rebuild: Rebuild, ledger: Ledger) -> Offer | None:
-    """The same support at its least final time, or None where that was not found or forbidden.
+    """The support at its least final time; None where that was not found or is forbidden.
 
     The programme is solved again, with tables of the final time found, until that stays.
     """

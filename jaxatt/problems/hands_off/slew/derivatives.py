@@ -1,6 +1,6 @@
 """Closed-form derivatives of one interval of a slew, accurate to second order in the step.
 
-In the error coordinates of `slew_stages` an interval turns the attitude error with the body and
+In the error coordinates of `stages` an interval turns the attitude error with the body and
 adds the integral of the rate error; momentum couples the two weakly.  Where the momentum is large
 differentiate the dynamics instead.
 """
