@@ -101,9 +101,9 @@ class Method:
 
     def reweights_for(self, task: SparseTask) -> bool:
         """Whether supports are decided by reweighting."""
-        by_pulses = self.reweights and self.decides == "l0" and task.system.response is not None
-        by_pulses |= task.system.decided_by is DecidedBy.BOUNDS
-        return by_pulses or self.stages_for(task)
+        way = task.system.decided_by
+        condensed = self.reweights and self.decides == "l0" and way is DecidedBy.CONDENSED
+        return condensed or way is DecidedBy.BOUNDS or self.stages_for(task)
 
     def spends_least_for(self, task: SparseTask) -> bool:
         """Whether supports are polished by the primal-dual method.
