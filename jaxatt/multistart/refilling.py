@@ -64,10 +64,12 @@ class _Chunk:
     """A chunk of lanes that advance together.
 
     index : (rows,), the lane in every row.  busy, fresh : (rows,).
+    device : where they are; None where there is but one.
     """
 
-    def __init__(self, advance: Advance, empty: Any, rows: int):
-        self.advance, self.states = advance, empty
+    def __init__(self, advance: Advance, empty: Any, rows: int, device: jax.Device | None):
+        self.advance, self.device = advance, device
+        self.states = empty if device is None else jax.device_put(empty, device)
         self.index = np.zeros(rows, int)
         self.busy = np.zeros(rows, bool)
         self.fresh = np.zeros(rows, bool)
@@ -84,6 +86,8 @@ class _Chunk:
         if not self.busy.any():
             return False
         some = jax.tree.map(lambda leaf: leaf[self.index], lanes.lanes)
+        if self.device is not None:
+            some = jax.device_put(some, self.device)
         self.states, results, running = self.advance(some, self.states, self.fresh)
         ended = self.busy & ~np.asarray(running)
         if ended.any():
@@ -122,9 +126,11 @@ def refilling(
     together : False where chunks cannot run side by side.
     """
     shared = _Lanes(lanes, progress)
+    devices = jax.local_devices()
+    side_by_side = min(workers(), -(-shared.count // rows)) if together else 1
     chunks = [
-        _Chunk(advance, empty, rows)
-        for _ in range(min(workers(), -(-shared.count // rows)) if together else 1)
+        _Chunk(advance, empty, rows, devices[number % len(devices)] if len(devices) > 1 else None)
+        for number in range(side_by_side)
     ]
     if first_time(key, rows):
         chunks[0].step(shared)

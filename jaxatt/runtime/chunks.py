@@ -32,10 +32,12 @@ def cores() -> int:
 def workers() -> int:
     """Number of chunks that run side by side.
 
-    One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime.settings`.
+    One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime.settings`;
+    one a device otherwise.
     """
     inline = not jax.config.read("jax_cpu_enable_async_dispatch")  # type: ignore[no-untyped-call]
-    return cores() if inline and jax.default_backend() == "cpu" else 1
+    cpu = jax.default_backend() == "cpu"
+    return cores() if inline and cpu else 1 if cpu else jax.local_device_count()
 
 
 def chunk_for(count: int) -> int:
