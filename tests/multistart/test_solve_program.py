@@ -119,19 +119,24 @@ def test_path_equality_terminal_cost_and_free_parameter_against_their_closed_for
     assert found.multipliers.terminal_inequality == pytest.approx([0.0, 2.0], abs=1e-6)
 
 
+@functools.cache
+def the_line():
+    return a_line()
+
+
 @pytest.mark.parametrize("size", [1e-6, 1e7])
 def test_objectives_of_any_size_are_met_as_well(size):
-    program = a_line(running_cost=lambda x, u, p: p["size"] * u[0] ** 2)
-    found = jaxatt.solve_program(program, {"size": size}, starts=4)
+    found = jaxatt.solve_program(the_line(), {"size": size}, starts=4)
     assert found.status is Status.CONVERGED
     assert found.objective == pytest.approx(size, rel=1e-6)
     np.testing.assert_allclose(found.controls, 1.0, atol=1e-4)
 
 
 def test_what_cannot_be_reached_is_not_called_converged():
-    program = a_line(control_bounds=(-0.5, 0.5))
-    found = jaxatt.solve_program(program, {"size": 1.0}, starts=2, max_iterations=60)
-    assert found.status in (Status.INFEASIBLE, Status.ITERATION_LIMIT)
+    """The longest time allowed is a tenth of what the distance takes."""
+    program = published("double integrator")[0].program
+    found = jaxatt.solve_program(program, {"distance": 1e4, "force": 1.0}, max_iterations=100)
+    assert not np.isin(found.starts.status, (Status.CONVERGED, Status.FEASIBLE)).any()
     assert found.violation > 0.1
     assert found.minima == () and found.share_at_best == 0.0
     assert found.flight.terminal_violation > 0.1
@@ -302,7 +307,7 @@ def test_a_programme_written_in_stages_is_solved_as_well():
     ],
 )
 def test_what_the_solver_does_not_support_is_refused_by_name(more, feature):
-    expected = rf"'interior point' does not support: {feature} \(supported by 'augmented Lag"
+    expected = rf"{feature}: interior point does not support it; choose "
     with pytest.raises(ValueError, match=expected):
         jaxatt.solve_program(in_stages(**more))
 
