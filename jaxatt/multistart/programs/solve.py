@@ -35,6 +35,8 @@ from jaxatt.runtime.settings import QUICK_TO_COMPILE
 
 _USUAL = (0.1, 1000.0)
 """Sizes of an objective that the solver's settings fit; others are scaled."""
+_RENEWALS = 3
+"""Of a start that is stuck."""
 _SAME = 1e-6
 """Relative difference between objectives of one minimum."""
 
@@ -87,7 +89,10 @@ def solve_program(
     typical = typical_cost(program, drawn, args)
     factor = 1.0 if _USUAL[0] <= typical <= _USUAL[1] else 1.0 / typical
     settings = InteriorSettings(
-        tolerance=tolerance, max_iterations=max_iterations, shifts=SMALL_SHIFTS
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        shifts=SMALL_SHIFTS,
+        renewals=_RENEWALS,
     )
     scaled = Scaled(args, jnp.asarray(factor))
     found = solve_starts(scaled_objective(program), drawn, scaled, settings, progress)

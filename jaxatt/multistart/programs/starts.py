@@ -33,8 +33,8 @@ class ProgramStarts(NamedTuple):
     x: Floats
 
 
-def _between(rng: np.random.Generator, lower: Floats, upper: Floats, guess: Floats) -> Floats:
-    """Uniform within bounds; around the guess where a bound is missing, but within the other."""
+def _between(share: Floats, lower: Floats, upper: Floats, guess: Floats) -> Floats:
+    """A share of the way from lower to upper bounds, or around the guess where one is missing."""
     wide = np.log(_SPREAD)
     low = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper, guess) - 2 * wide)
     high = np.where(
@@ -42,7 +42,7 @@ def _between(rng: np.random.Generator, lower: Floats, upper: Floats, guess: Floa
     )
     alone = ~np.isfinite(lower) & ~np.isfinite(upper)
     low, high = np.where(alone, guess - wide, low), np.where(alone, guess + wide, high)
-    return rng.uniform(low, high)
+    return low + share * (high - low)
 
 
 def _controls(rng: np.random.Generator, lower: Floats, upper: Floats) -> Floats:
@@ -117,7 +117,10 @@ def draw_starts(
         rng = np.random.default_rng((seed, i))
         begin = first.copy()
         if decided and layout is not None:
-            begin[-decided:] = _between(rng, *layout.decided, first[-decided:])
+            share = rng.uniform(size=decided)
+            # A horizon that is too short cannot be met, one that is too long can be shortened.
+            share[-1:] = np.sqrt(share[-1:]) if layout.free_time else share[-1:]
+            begin[-decided:] = _between(share, *layout.decided, first[-decided:])
         starts.append(_controls(rng, lower, upper))
         begins.append(begin)
     u, begin = np.array(starts), np.array(begins)

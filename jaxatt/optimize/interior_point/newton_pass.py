@@ -147,7 +147,16 @@ def advanced(
     more = jnp.maximum(by.first, jnp.where(state.shift > 0.0, by.growth * state.shift, 0.0))
     less = jnp.where(state.shift < by.least, 0.0, state.shift / by.shrink)
     shift = jnp.where(crossing_over, state.shift, jnp.where(accepted, less, more))
-    stuck = jnp.where(shift > _STUCK, Status.INFEASIBLE, RUNNING)
+    stopped, left_over, most = shift > _STUCK, state.renewals, state.most
+    onward = _where(accepted, search.place._replace(point=moved), place)
+    if settings.renewals:
+        again = stopped & (left_over > 0)
+        left_over = left_over - again
+        stopped, shift = stopped & ~again, jnp.where(again, 0.0, shift)
+        barrier = jnp.where(again, settings.barrier, barrier)
+        most = jnp.where(again, 10.0 * jnp.maximum(1.0, onward.unmet), most)
+        onward = _where(again, renewed(onward, limits, settings), onward)
+    stuck = jnp.where(stopped, Status.INFEASIBLE, RUNNING)
     status = jnp.where(finite | crossing_over, stuck, Status.NOT_FINITE)
     status = jnp.where(converged, Status.CONVERGED, status).astype(state.status.dtype)
     # The last pass only looks, so that what is said of the point returned is true of it.
@@ -155,7 +164,7 @@ def advanced(
     going = (status == RUNNING) & ~looking
     failed = crossing_over & (~accepted | ~finite | (left == 1))
     anchor = _where(beginning, place, crossover.anchor)
-    onward = _where(failed, anchor, _where(accepted, search.place._replace(point=moved), place))
+    onward = _where(failed, anchor, onward)
     return State(
         _where(going, onward, place),
         Crossover(
@@ -166,9 +175,10 @@ def advanced(
         ),
         barrier,
         shift,
-        state.most,
+        most,
         status,
         state.iterations + jnp.where(status == RUNNING, 1, 0),
+        left_over,
         violation,
         stationarity,
     )
@@ -222,6 +232,17 @@ def _searched(
     none = _Search(jnp.asarray(0), longest, place, ~step.convex)
     tried = lax.while_loop(rejected, attempt, none)
     return tried._replace(accepted=tried.accepted & step.convex)
+
+
+def renewed(place: Place, limits: Limits, settings: InteriorSettings) -> Place:
+    """The same place with the multipliers of the first barrier, and none of the hard rows."""
+    point = place.point
+    point = point._replace(
+        rows=jnp.zeros_like(point.rows),
+        equality=jnp.zeros_like(point.equality),
+    )
+    dual = jax.tree.map(lambda s: settings.barrier / s, limits.slacks(point))
+    return place._replace(point=point._replace(dual=limits.only_there(dual)))
 
 
 def _kept(limits: Limits, point: Point, barrier: Array, crossing_over: Array) -> Point:

@@ -32,7 +32,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.interior_point.model import Bounded, Nodes, values
-from jaxatt.optimize.interior_point.newton_pass import advanced
+from jaxatt.optimize.interior_point.newton_pass import advanced, renewed
 from jaxatt.optimize.interior_point.residuals import unmet
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
@@ -96,9 +96,8 @@ def begin(
     seen = values(program, start.nodes, args)
     missed = unmet(seen, start)
     infinite = jnp.asarray(jnp.inf, dtype)
-    dual = jax.tree.map(lambda s: settings.barrier / s, limits.slacks(start))
-    place = Place(start._replace(dual=limits.only_there(dual)), seen.cost, missed)
-    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, bool), dual)
+    place = renewed(Place(start, seen.cost, missed), limits, settings)
+    nothing = jax.tree.map(lambda s: jnp.zeros(s.shape, bool), start.dual)
     return State(
         place,
         Crossover(jnp.zeros((), int), nothing, place, jnp.asarray(settings.crossover_from, dtype)),
@@ -107,6 +106,7 @@ def begin(
         10.0 * jnp.maximum(1.0, missed),
         jnp.full((), RUNNING, int),
         jnp.zeros((), int),
+        jnp.full((), settings.renewals, int),
         infinite,
         infinite,
     )

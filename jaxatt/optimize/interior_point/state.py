@@ -39,13 +39,14 @@ SMALL_SHIFTS = Shifts(1e-5, 6.0, 2.0, 2e-7)
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class InteriorSettings:
-    """Settings; all but the shifts are traced.
+    """Settings; all but the last two are traced.
 
     tolerance : of violation, scaled stationarity and complementarity.
     barrier : the first one.  factor, power : a solved barrier b becomes min(factor b, b^power).
     row_penalty : of the hard rows, and of active limits in the crossover.
     crossover_from : barrier from which the crossover may be tried; 0 for never.
     max_iterations : passes.  shifts : of the curvature.
+    renewals : times that a start that is stuck goes on from where it is with new multipliers.
     """
 
     tolerance: float = 1e-8
@@ -56,6 +57,7 @@ class InteriorSettings:
     crossover_from: float = 1e-3
     max_iterations: int = 200
     shifts: Shifts = field(default=LARGE_SHIFTS, metadata={"static": True})
+    renewals: int = field(default=0, metadata={"static": True})
 
 
 class Point(NamedTuple):
@@ -98,7 +100,7 @@ class State(NamedTuple):
     """State of a start between two iterations.
 
     barrier, shift : ().  most : () of `unmet` that a trial may have.  status : () a `Status` or
-    `RUNNING`.  violation, stationarity : () at the point before.
+    `RUNNING`.  renewals : () left.  violation, stationarity : () at the point before.
     """
 
     place: Place
@@ -108,6 +110,7 @@ class State(NamedTuple):
     most: Array
     status: Array
     iterations: Array
+    renewals: Array
     violation: Array
     stationarity: Array
 
