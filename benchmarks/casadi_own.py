@@ -163,7 +163,7 @@ def _rigid_body(intervals: int) -> Model:
 def _net_power(intervals: int) -> Model:
     p = net_power.PARAMETERS
     inertia, wheel = p["inertia"], p["wheel"]
-    body = ca.DM(np.linalg.inv(inertia - wheel * np.eye(3)))
+    body = ca.DM(p["inverse"])
 
     def rate(x: ca.SX, u: ca.SX) -> ca.SX:
         q, w, wheels = x[:4], x[4:7], x[7:]

@@ -28,6 +28,7 @@ PARAMETERS: dict[str, Any] = {
     "target": np.array([0.0, 1.0, 0.0, 0.0]),
     "torque": 3.2e-3,
 }
+PARAMETERS["inverse"] = np.linalg.inv(PARAMETERS["inertia"] - PARAMETERS["wheel"] * np.eye(3))
 START = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
 
 
@@ -37,8 +38,7 @@ def dynamics(x: Array, u: Array, p: dict[str, Any]) -> Array:
     norm = jnp.sum(q * q)
     turned = jnp.concatenate([-jnp.sum(q[1:] * rate)[None], q[0] * rate + jnp.cross(q[1:], rate)])
     momentum = p["inertia"] @ rate + p["wheel"] * wheels
-    body = p["inertia"] - p["wheel"] * jnp.eye(3)
-    change = jnp.linalg.inv(body) @ (-jnp.cross(rate, momentum) - u)
+    change = p["inverse"] @ (-jnp.cross(rate, momentum) - u)
     return jnp.concatenate(
         [
             0.5 * turned + 0.5 * p["baumgarte"] * q * (1.0 / norm - 1.0),

@@ -12,8 +12,9 @@ from jax import Array
 
 from jaxatt.multistart.driver import run_starts
 from jaxatt.multistart.programs.starts import ProgramStarts
-from jaxatt.optimize.interior_point.method import InteriorPoint
+from jaxatt.optimize.interior_point.method import InteriorPoint, InteriorPointInTurn
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
+from jaxatt.optimize.lapack import calls_lapack
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.runtime.chunks import Progress, chunk_for
 
@@ -47,6 +48,27 @@ def _rows(program: OptimalControlProgram, starts: ProgramStarts) -> int:
     return min(rows, max(_LEAST, min(_MOST, fitting)))
 
 
+def _in_turn(program: OptimalControlProgram, starts: ProgramStarts, args: Any) -> bool:
+    """Whether the programme's own functions call LAPACK."""
+
+    def everything(u: Array, x: Array, args: Any) -> Any:
+        stage = jax.tree.map(lambda leaf: leaf[0], program.stages(args))
+        return (
+            program.start(args),
+            program.next_and_cost(x, u, stage, args),
+            program.equalities(x, u, stage, args),
+            program.inequalities(x, u, stage, args),
+            program.control_limits(stage, args),
+            program.final_equalities(x, args),
+            program.final_inequalities(x, args),
+            program.final_cost(x, args),
+            program.difference(program.retract(x, program.difference(x, x)), x),
+        )
+
+    u, x = jnp.asarray(starts.u[0, 0]), jnp.asarray(starts.x[0, 0])
+    return calls_lapack(everything, u, x, args)
+
+
 def solve_starts(
     program: OptimalControlProgram,
     starts: ProgramStarts,
@@ -55,8 +77,9 @@ def solve_starts(
     progress: Progress | None = None,
 ) -> InteriorSolution:
     """Solve from all starts and gather the results on the host, leading axis S."""
+    solver = InteriorPointInTurn if _in_turn(program, starts, args) else InteriorPoint
     found: InteriorSolution = run_starts(
-        InteriorPoint(settings),
+        solver(settings),
         PathStarts(program),
         starts,
         args,

@@ -58,3 +58,11 @@ class InteriorPoint(Solver):
     def result(self, program: OptimalControlProgram, state: State, args: Any) -> InteriorSolution:
         """Result of a start from its final state."""
         return outcome(state, self.settings)
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class InteriorPointInTurn(InteriorPoint):
+    """The same for programmes whose functions call LAPACK: one chunk of starts at a time."""
+
+    calls_lapack = True
