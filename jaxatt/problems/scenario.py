@@ -13,8 +13,6 @@ from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.spacecraft import Spacecraft
 
 SPACECRAFT = "spacecraft"
-SPARSE_KINDS = ("l0", "moving-l0", "l1")
-TIME_KINDS = ("time-effort", "minimum-time")
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ class Horizon:
     `substeps` is None where the number is chosen automatically.
     free : whether the final time of each phase is found, from `shortest` to `longest` [s]; the
     number of intervals stays and their length changes.  `duration` is then the first one to be
-    tried, or `longest` where the objective is one of `TIME_KINDS`.
+    tried, or `longest` where the objective minimises time.
     """
 
     duration: float
@@ -89,7 +87,7 @@ class Objective:
 
     Attributes
     ----------
-    kind : one of `SPARSE_KINDS` or `TIME_KINDS`
+    kind : one of those of a family, see `jaxatt.problems.registry.kinds_of`
     terminal : "reach" or "penalty"
         Terminal constraints with tolerances, or the printed cost.
     design : 1, 2 or 3
@@ -171,7 +169,7 @@ class Scenario:
     notes : tuple of str
         What was changed while reading, e.g. a quaternion that was normalised.
     transcription : Transcription
-        Of `TIME_KINDS` only.
+        Of time-optimal turns only.
     options
         What a family from outside the package reads beyond these.
     pointing

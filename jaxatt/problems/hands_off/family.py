@@ -14,6 +14,7 @@ from jaxatt.problems.hands_off.certificate import PhaseCertificate
 from jaxatt.problems.hands_off.enumerate_supports import certify_support
 from jaxatt.problems.hands_off.phase import phase_record
 from jaxatt.problems.hands_off.phase_search import Build, search_phase
+from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS
 from jaxatt.problems.hands_off.reading.scenario import read_hands_off
 from jaxatt.problems.hands_off.record import FinalTimes
 from jaxatt.problems.hands_off.report.sections import HANDS_OFF
@@ -25,7 +26,7 @@ from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import SPACECRAFT, SPARSE_KINDS, Scenario
+from jaxatt.problems.scenario import SPACECRAFT, Scenario
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report

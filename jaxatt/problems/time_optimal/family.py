@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import SPACECRAFT, TIME_KINDS, Scenario
+from jaxatt.problems.scenario import SPACECRAFT, Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.phase import build_time_task, time_record
-from jaxatt.problems.time_optimal.reading import read_time_optimal
+from jaxatt.problems.time_optimal.reading import TIME_KINDS, read_time_optimal
 from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
 from jaxatt.problems.time_optimal.task import ReorientationTask

@@ -18,19 +18,27 @@ from jaxatt.problems.reading.moments import moments_of
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import (
-    TIME_KINDS,
-    Control,
-    Horizon,
-    Objective,
-    Scenario,
-    Transcription,
-)
+from jaxatt.problems.scenario import Control, Horizon, Objective, Scenario, Transcription
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 from jaxatt.spacecraft.wheels import storage_share
 
+TIME_KINDS = ("time-effort", "minimum-time")
+"""Values of `objective.kind`."""
+
 _DEFAULT_WEIGHT = 0.01  # of the source's section 6
+_SPARSE_KEYS = (
+    "design",
+    "time_weight_1_s",
+    "epsilon_Nm",
+    "rate_weight_s2",
+    "attitude_weight",
+    "sparsity_weight",
+    "waypoint_weight",
+    "on_off_weight",
+    "on_off_form",
+)
+"""Keys of [objective] that mean nothing here."""
 _ELSEWHERE = {
     "orbit": "such turns are solved in the inertial frame",
     "disturbances": "such turns are solved without external torques",
@@ -85,7 +93,7 @@ def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) 
             raise ScenarioError(f"{origin}: {name}: not with kind = {kind}; {reason}, drop it")
     if objective.choice("terminal", ("reach", "penalty"), "reach") == "penalty":
         objective.fail("terminal", f"kind = {kind} always reaches", 'use "reach" or leave it out')
-    for key in ("design", "time_weight_1_s"):
+    for key in _SPARSE_KEYS:
         if key in objective:
             objective.fail(key, "belongs to the sparse objectives", f"drop it for kind = {kind}")
     if kind == "minimum-time" and "effort_weight" in objective:
@@ -98,13 +106,6 @@ def _read_objective(data: Any, origin: str) -> Objective:
     weight = table.number("effort_weight", _DEFAULT_WEIGHT, at_least=0.0)
     return Objective(
         kind=kind,
-        epsilon=table.number("epsilon_Nm", 1e-8, above=0.0),
-        rate_weight=table.number("rate_weight_s2", 1e6, at_least=0.0),
-        attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
-        sparsity_weight=table.number("sparsity_weight", 1e1, at_least=0.0),
-        waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
-        on_off_weight=table.number("on_off_weight", 0.0, at_least=0.0),
-        on_off_form=table.choice("on_off_form", ("active", "printed"), "active"),
         effort_weight=weight if kind == "time-effort" else 0.0,
     )
 

@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.problems.hands_off.reading.objective import check_free_time
+from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS, check_free_time
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading import settings
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.schema import TOY_TABLES
-from jaxatt.problems.scenario import SPARSE_KINDS, Control, Objective, Scenario
+from jaxatt.problems.scenario import Control, Objective, Scenario
 
 _STATES = 2
 _NO_ATTITUDE = np.array([1.0, 0.0, 0.0, 0.0])

@@ -8,7 +8,10 @@ from typing import Any
 
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import SPARSE_KINDS, Horizon, Objective
+from jaxatt.problems.scenario import Horizon, Objective
+
+SPARSE_KINDS = ("l0", "moving-l0", "l1")
+"""Values of `objective.kind`; the first is the default."""
 
 
 def read_objective(data: Any, origin: str) -> Objective:
