@@ -51,9 +51,10 @@ class Layout:
     states : number of the user's own states, which come first.  parameters : number of free
     parameters, which follow.  times : (x, args) -> (N + 1,) [s], times of the nodes; x is any
     state, for a free final time is one of its coordinates.  controls : (u, args) -> in the user's
-    units, scaled : the other way.  decided : lower and upper bounds of the coordinates of the first
-    state that are free.  free_time : whether the last of them is the logarithm of the final time.
-    check : args -> None; raises ValueError where they do not fit.
+    units, scaled : the other way.  bounds : lower and upper ones of the states, (states,) each.
+    decided : the same of the coordinates of the first state that are free.  free_time : whether the
+    last of them is the logarithm of the final time.  check : args -> None; raises ValueError where
+    they do not fit.
     """
 
     states: int
@@ -61,6 +62,7 @@ class Layout:
     times: Callable[[Array, Any], Array]
     controls: Callable[[Array, Any], Array]
     scaled: Callable[[Array, Any], Array]
+    bounds: tuple[Floats, Floats]
     decided: tuple[Floats, Floats]
     free_time: bool
     check: Callable[[Any], None]

@@ -119,6 +119,33 @@ def test_path_equality_terminal_cost_and_free_parameter_against_their_closed_for
     assert found.multipliers.terminal_inequality == pytest.approx([0.0, 2.0], abs=1e-6)
 
 
+def test_a_singular_arc_between_bounds_of_states_from_every_start():
+    """The rocket of Goddard, COPS 3.0: a height of 1.01283 with 0.6 of the mass left."""
+    exhaust = 0.5
+
+    def dynamics(x, u, p):
+        height, speed, mass = x[0], x[1], x[2]
+        drag = 310.0 * speed**2 * jnp.exp(-500.0 * (height - 1.0))
+        return jnp.stack([speed, (u[0] - drag) / mass - 1.0 / height**2, -u[0] / exhaust])
+
+    program = jaxatt.transcribe(
+        dynamics,
+        states=3,
+        controls=1,
+        intervals=60,
+        initial_state=np.array([1.0, 0.0, 1.0]),
+        final_time=(0.05, 1.0),
+        terminal_cost=lambda x, p: -x[0],
+        terminal_equality=lambda x, p: x[2] - 0.6,
+        control_bounds=(0.0, 3.5),
+        state_bounds=([1.0, 0.0, 0.6], [np.inf, np.inf, 1.0]),
+    )
+    found = jaxatt.solve_program(program)
+    assert (found.starts.status == Status.CONVERGED).sum() >= 14
+    assert found.objective == pytest.approx(-1.01283, abs=1e-4)
+    assert (found.states[:, 1] >= -1e-8).all() and (found.states[:, 2] >= 0.6 - 1e-8).all()
+
+
 @functools.cache
 def the_line():
     return a_line()

@@ -19,6 +19,8 @@ _LARGEST = 1e8
 _WEAKEST = 0.05
 """Least amplitude of a start's controls."""
 _MOST_KNOTS = 8
+_OFF = 1e-2
+"""Share of a state's range by which a start keeps off its bounds."""
 _SPREAD = 4.0
 """Factor by which a start's final time may be longer or shorter where it has no limits."""
 
@@ -43,6 +45,12 @@ def _between(share: Floats, lower: Floats, upper: Floats, guess: Floats) -> Floa
     alone = ~np.isfinite(lower) & ~np.isfinite(upper)
     low, high = np.where(alone, guess - wide, low), np.where(alone, guess + wide, high)
     return low + share * (high - low)
+
+
+def _inside(states: Floats, lower: Floats, upper: Floats) -> Floats:
+    """States (..., s) that keep a little off their bounds."""
+    off = np.minimum(_OFF, _OFF * np.where(np.isfinite(upper - lower), upper - lower, 1.0))
+    return np.clip(states, lower + off, upper - off)
 
 
 def _controls(rng: np.random.Generator, lower: Floats, upper: Floats) -> Floats:
@@ -132,6 +140,9 @@ def draw_starts(
     x = np.array(_flown(program, jnp.asarray(u), jnp.asarray(begin), args))
     wild = ~(np.abs(x) <= _LARGEST).all(axis=(1, 2))
     x[wild] = begin[wild][:, None]
+    if layout is not None:
+        # What is flown need not be feasible, so its states may as well keep their bounds.
+        x[:, 1:, : layout.states] = _inside(x[:, 1:, : layout.states], *layout.bounds)
     if guess.states is not None:
         known, _, own = guess.states.shape
         x[:known] = begin[:known, None]

@@ -19,7 +19,7 @@ from jaxatt.optimize.interior_point.crossover import (
     barrier_pairs,
 )
 from jaxatt.optimize.interior_point.model import Bounded, Duals, Nodes, model, values
-from jaxatt.optimize.interior_point.residuals import Residuals, residuals, unmet
+from jaxatt.optimize.interior_point.residuals import Residuals, residuals, unmet, unmet_at
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
     Crossover,
@@ -43,6 +43,10 @@ _NEGLIGIBLE = 1e-7
 _DUAL_RANGE = 1e10
 _STUCK = 1e8
 _TINY = 1e-300
+_SHORT = 1e-7
+"""Length of a step that leads nowhere, where a start may be renewed."""
+PUSH = 1e-2
+"""Share of its range by which a start is kept off a limit; least slack of a start."""
 _NEAR = 0.03
 """Error of a barrier problem from which the crossover is tried."""
 _CROSSOVER_PASSES = 8
@@ -129,6 +133,8 @@ def advanced(
     longest = jnp.where(crossing_over, 1.0, _to_boundary(slack, step.slack, share))
     search = _searched(program, limits, state, step, barrier, longest, crossing_over, args)
     accepted = search.accepted
+    if settings.renewals:
+        accepted = accepted & (crossing_over | (search.length > _SHORT))
     dual_length = jnp.where(crossing_over, 1.0, _to_boundary(dual, step.dual, share))
     moved = search.place.point._replace(
         dual=jax.tree.map(lambda z, dz: z + dual_length * dz, dual, step.dual),
@@ -154,8 +160,12 @@ def advanced(
         left_over = left_over - again
         stopped, shift = stopped & ~again, jnp.where(again, 0.0, shift)
         barrier = jnp.where(again, settings.barrier, barrier)
-        most = jnp.where(again, 10.0 * jnp.maximum(1.0, onward.unmet), most)
-        onward = _where(again, renewed(onward, limits, settings), onward)
+        roomier = place.point._replace(
+            path=roomy(found.path, settings), final=roomy(found.final, settings)
+        )
+        beginning_anew = Place(roomier, place.cost, unmet_at(found, roomier))
+        most = jnp.where(again, 10.0 * jnp.maximum(1.0, beginning_anew.unmet), most)
+        onward = _where(again, renewed(beginning_anew, limits, settings), onward)
     stuck = jnp.where(stopped, Status.INFEASIBLE, RUNNING)
     status = jnp.where(finite | crossing_over, stuck, Status.NOT_FINITE)
     status = jnp.where(converged, Status.CONVERGED, status).astype(state.status.dtype)
@@ -232,6 +242,15 @@ def _searched(
     none = _Search(jnp.asarray(0), longest, place, ~step.convex)
     tried = lax.while_loop(rejected, attempt, none)
     return tried._replace(accepted=tried.accepted & step.convex)
+
+
+def roomy(values: Array, settings: InteriorSettings) -> Array:
+    """Slacks of inequalities with these values, at least a little.
+
+    Where starts may be renewed, one that is violated gets as much slack as it misses, which does
+    not cut the first steps short.
+    """
+    return jnp.maximum(jnp.abs(values) if settings.renewals else values, PUSH)
 
 
 def renewed(place: Place, limits: Limits, settings: InteriorSettings) -> Place:

@@ -72,6 +72,14 @@ def residuals(found: Model, point: Point, slack: Bounded, free_start: int) -> Re
     )
 
 
+def unmet_at(found: Model, point: Point) -> Array:
+    """As `unmet`, from a model."""
+    rows = jnp.sum(jnp.abs(found.gap)) + jnp.sum(jnp.abs(found.rows))
+    rows = rows + jnp.sum(jnp.abs(found.equality))
+    excess = jnp.sum(jnp.abs(found.path - point.path))
+    return rows + excess + jnp.sum(jnp.abs(found.final - point.final))
+
+
 def unmet(found: Values, point: Point) -> Array:
     """Sum of the magnitudes of gaps, hard rows and violated inequalities, ()."""
     excess = jnp.sum(jnp.abs(found.path - point.path))

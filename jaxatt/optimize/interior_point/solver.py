@@ -32,7 +32,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.interior_point.model import Bounded, Nodes, values
-from jaxatt.optimize.interior_point.newton_pass import advanced, renewed
+from jaxatt.optimize.interior_point.newton_pass import PUSH, advanced, renewed, roomy
 from jaxatt.optimize.interior_point.residuals import unmet
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
@@ -56,9 +56,6 @@ __all__ = [
     "running",
     "solve_interior",
 ]
-
-_PUSH = 1e-2
-"""Share of its range by which a start is kept off a limit."""
 
 
 class InteriorSolution(NamedTuple):
@@ -92,7 +89,7 @@ def begin(
     """
     dtype = u.dtype
     limits = Limits.of(program, u.shape[1], args)
-    start = _first_point(program, u, states, args, limits)
+    start = _first_point(program, u, states, args, limits, settings)
     seen = values(program, start.nodes, args)
     missed = unmet(seen, start)
     infinite = jnp.asarray(jnp.inf, dtype)
@@ -183,19 +180,20 @@ def _first_point(
     states: Array,
     args: Any,
     limits: Limits,
+    settings: InteriorSettings,
 ) -> Point:
     """Initial point, pushed off the limits."""
     below, above, low, high = limits
     span = jnp.where(below & above, high - low, 1.0)
-    u = jnp.where(below, jnp.maximum(u, low + _PUSH * span), u)
-    u = jnp.where(above, jnp.minimum(u, high - _PUSH * span), u)
+    u = jnp.where(below, jnp.maximum(u, low + PUSH * span), u)
+    u = jnp.where(above, jnp.minimum(u, high - PUSH * span), u)
     nodes = Nodes(states[:-1], states[-1], u)
     found = values(program, nodes, args)
     nothing = jnp.zeros_like(u)
     return Point(
         nodes,
-        jnp.maximum(found.path, _PUSH),
-        jnp.maximum(found.final, _PUSH),
+        roomy(found.path, settings),
+        roomy(found.final, settings),
         Bounded(jnp.zeros_like(found.path), jnp.zeros_like(found.final), nothing, nothing),
         jnp.zeros_like(program.final_equalities(nodes.end, args)),
         jnp.zeros_like(

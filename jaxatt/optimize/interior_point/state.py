@@ -46,7 +46,8 @@ class InteriorSettings:
     row_penalty : of the hard rows, and of active limits in the crossover.
     crossover_from : barrier from which the crossover may be tried; 0 for never.
     max_iterations : passes.  shifts : of the curvature.
-    renewals : times that a start that is stuck goes on from where it is with new multipliers.
+    renewals : times that a start that is stuck goes on from where it is with new multipliers and
+        slacks; with any, violated inequalities begin with slacks as large as what they miss.
     """
 
     tolerance: float = 1e-8

@@ -221,6 +221,7 @@ def _programme(of: Continuous, count: int, steps: int) -> OptimalControlProgram:
             times=lambda y, p: of.final_time(y, p) * jnp.arange(count + 1) / count,
             controls=of.unscaled,
             scaled=lambda u, p: (u - of.scale(p)[0]) / of.scale(p)[1],
+            bounds=(of.state_lower, of.state_upper),
             decided=_decided(of),
             free_time=of.duration is None,
             check=lambda p: check_parameters(of, p),
