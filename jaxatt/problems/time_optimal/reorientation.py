@@ -85,7 +85,8 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
 
     def final_inequality(x: Array, p: ReorientationParameters) -> Array:
         duration = jnp.sum(p.share) * jnp.exp(x[-1])
-        return jnp.stack([duration / p.shortest - 1.0, 1.0 - duration / p.longest])
+        # Both near 1 where there is no such limit.
+        return jnp.stack([1.0 - p.shortest / duration, 1.0 - duration / p.longest])
 
     program = OptimalControlProgram(
         start=start,
