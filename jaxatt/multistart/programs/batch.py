@@ -27,13 +27,13 @@ _LEAST, _MOST = 8, 32
 
 @dataclass(frozen=True)
 class PathStarts:
-    """A programme whose starts are controls and states; a problem as `run_starts` wants it."""
+    """A programme whose starts are controls and states, as `run_starts` needs it."""
 
     program: OptimalControlProgram
     label: str | None = None
 
     def enter(self, start: ProgramStarts, args: Any) -> tuple[tuple[Array, Array], Any]:
-        """Controls and states at which the solver begins; the arguments are those of all."""
+        """Initial controls and states for the solver, and the arguments that all starts share."""
         return (jnp.asarray(start.u), jnp.asarray(start.x)), args
 
 

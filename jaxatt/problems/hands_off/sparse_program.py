@@ -47,7 +47,7 @@ class SparseArguments:
 
 
 class DecidedBy(StrEnum):
-    """How the support of a system's controls is decided and, where it is given, settled."""
+    """Methods that decide the support of a system's controls, or settle on a given one."""
 
     CONDENSED = "reweighted Newton steps on the rows at the end"
     STAGES = "reweighted Riccati steps, interval by interval"
