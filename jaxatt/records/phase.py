@@ -108,7 +108,7 @@ class Phase:
 
     def __repr__(self) -> str:
         reached = "reached" if self.reached else "not reached"
-        return f"Leg({reached}, {self.section.brief((self,))})"
+        return f"Phase({reached}, {self.section.brief((self,))})"
 
 
 def squared_effort(torque: Floats, step: float) -> float:

@@ -19,7 +19,7 @@ from jaxatt.attitude import errors
 from jaxatt.drawing.figure import Picture, picture, save, tidy
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS
-from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bursts, try_bang_off_bang
+from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bang_off_bang, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import join
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.polish import Method
@@ -176,9 +176,9 @@ def attainable(
 ) -> Attainable:
     """Test whether `size` active intervals suffice for the first target of such a scenario."""
     task = build_slew(_with_thrusters(scenario)).reaching()
-    progress = None if report is None else lambda done: report("trying bursts at both ends", done)
+    progress = None if report is None else lambda done: report("trying bang-off-bang", done)
     method = Method("l0", progress=progress)
-    tried = join(try_bang_off_bang(task, size, method), nearest_bursts(task, size, method))
+    tried = join(try_bang_off_bang(task, size, method), nearest_bang_off_bang(task, size, method))
     nearest = int(tried.order(True)[0])
     return Attainable(
         size,

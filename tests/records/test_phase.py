@@ -73,4 +73,4 @@ def test_a_section_without_words_of_its_own_tells_times():
     phases = [dataclasses.replace(phase, section=Section()) for phase in two_phases(0)]
     assert phases[0].section.headline(phases) == "6.0000 s, 1.0000 s"
     assert phases[0].section.brief(phases) == "7 s"
-    assert repr(phases[1]) == "Leg(reached, 1 s)"
+    assert repr(phases[1]) == "Phase(reached, 1 s)"

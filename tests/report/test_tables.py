@@ -34,7 +34,7 @@ def test_doing_nothing_is_said_plainly(resting):
 
 def test_arrays_stay_out_of_short_forms(make):
     phase = make().phases[0]
-    assert repr(phase) == "Leg(reached, 3 active intervals: 0, 20, 49)"
+    assert repr(phase) == "Phase(reached, 3 active intervals: 0, 20, 49)"
     assert repr(phase.starts) == "StartsRecord(3 of 6 reached)"
 
 

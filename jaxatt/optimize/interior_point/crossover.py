@@ -1,6 +1,6 @@
 """Complementarity pairs of slack s and multiplier z, each linearised for a Newton step.
 
-A pair's multiplier after a step is  z = target - stiffness ds.  Under a barrier b the line is the
+A pair's multiplier after a step is  z = intercept - stiffness ds.  Under a barrier b the line is the
 tangent of  s z = b.  Once it is known which limits hold (the active set), it is  s = 0  or  z = 0
 itself, and Newton's method ends in a few steps even where a limit holds with hardly any force,
 where the pairs of a barrier problem only halve from step to step.
@@ -22,10 +22,10 @@ from jaxatt.optimize.interior_point.model import Bounded
 
 
 class Pairs(NamedTuple):
-    """Linear relation z = target - stiffness ds that each pair obeys after a step."""
+    """Linear relation z = intercept - stiffness ds that each pair obeys after a step."""
 
     stiffness: Bounded
-    target: Bounded
+    intercept: Bounded
 
 
 def barrier_pairs(slack: Bounded, dual: Bounded, barrier: Array) -> Pairs:

@@ -66,13 +66,13 @@ def newton_step(
     count, n, width = model.dynamics.shape
     size = width - n
     dtype = model.gap.dtype
-    stiffness, target = pairs
+    stiffness, intercept = pairs
     # Excess of the inequalities over their slacks; those of the controls' limits are exact.
     path_excess, final_excess = model.path - slack.path, model.final - slack.final
     diagonal = stiffness.lower + stiffness.upper
-    by_limits = target.upper - target.lower
-    at_path = dual.path - target.path + stiffness.path * path_excess
-    at_end = dual.final - target.final + stiffness.final * final_excess
+    by_limits = intercept.upper - intercept.lower
+    at_path = dual.path - intercept.path + stiffness.path * path_excess
+    at_end = dual.final - intercept.final + stiffness.final * final_excess
     gradient = jnp.concatenate([jnp.zeros((count, n), dtype), model.gradient[:, n:] + by_limits], 1)
     gradient = gradient + jnp.sum(model.path_slope * at_path[..., None], axis=1)
     hessian = model.hessian + _weighted(model.path_slope, stiffness.path)
@@ -127,7 +127,7 @@ def newton_step(
         -u,
     )
     dual_step = jax.tree.map(
-        lambda a, z, q, ds: a - z - q * ds, target, dual, stiffness, slack_step
+        lambda a, z, q, ds: a - z - q * ds, intercept, dual, stiffness, slack_step
     )
     rows = row_penalty * (model.rows + _times(model.rows_slope, end))
     equality = row_penalty * (model.equality + _times(model.equality_slope, moved))

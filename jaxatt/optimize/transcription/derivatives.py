@@ -90,13 +90,13 @@ class StageDerivatives:
         s, n = self.of.states, self.of.error_size
         costate = costate[:n]
         if self.of.retract is None:
-            return self.formula.bend(kept, interval, costate, p).hessian
+            return self.formula.second_order(kept, interval, costate, p).hessian
 
         def valued(end: Array) -> Array:
             return jnp.sum(costate * self._missed(end, y_next))
 
         at_end, curved = _along(valued, kept.end[:s], kept.by_end.T)
-        bent = self.formula.bend(kept, interval, at_end, p)
+        bent = self.formula.second_order(kept, interval, at_end, p)
         hessian = bent.hessian + product(kept.by_end.T, curved.T)
 
         def started(error: Array) -> Array:

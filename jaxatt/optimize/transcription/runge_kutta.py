@@ -50,7 +50,7 @@ class Expansion(NamedTuple):
     moved: Array
 
 
-class Bending(NamedTuple):
+class SecondOrder(NamedTuple):
     """Second-order expansion of an interval, weighted by a costate.
 
     hessian : (z, z), in the directions of the beginning.  by_start : (m,), by the coordinates there
@@ -179,7 +179,9 @@ class RungeKutta:
         rows = self.total + self.controls - self.moving
         return jnp.eye(rows, width, width - rows, dtype=dtype)
 
-    def bend(self, found: Expansion, interval: Interval, costate: Array, args: Any) -> Bending:
+    def second_order(
+        self, found: Expansion, interval: Interval, costate: Array, args: Any
+    ) -> SecondOrder:
         """Second derivatives of cost + costate . moving coordinates at the end, (m,)."""
         m, dtype = self.moving, costate.dtype
         rows = _formula(self.steps)
@@ -225,7 +227,7 @@ class RungeKutta:
         upper = jnp.sum(_times(found.moved, jnp.moveaxis(bent[:, :, :m], 0, 2)), axis=0)
         lower = jnp.sum(bent[:, :, m:], axis=1).T
         hessian = jnp.concatenate([upper[: -len(lower)], upper[-len(lower) :] + lower])
-        return Bending(0.5 * (hessian + hessian.T), by_start)
+        return SecondOrder(0.5 * (hessian + hessian.T), by_start)
 
 
 def _times(moved: Array, bent: Array) -> Array:

@@ -53,7 +53,9 @@ def try_bang_off_bang(task: SparseTask, size: int, method: Method) -> Candidates
     return screen(task, *_both_ways(task, bang_off_bang_supports(task, _shapes(size))), method)
 
 
-def nearest_bursts(task: SparseTask, size: int, method: Method, attempts: int = 4) -> Candidates:
+def nearest_bang_off_bang(
+    task: SparseTask, size: int, method: Method, attempts: int = 4
+) -> Candidates:
     """As `try_bang_off_bang`, but drive each support as near to the target as it gets.
 
     The squared errors are minimised within limits from `attempts` beginnings, at rest and random:
@@ -76,7 +78,7 @@ def _shapes(size: int) -> list[tuple[int, int]]:
     return [(first, size - first) for first in range(size + 1)]
 
 
-def cheapest_bursts(task: SparseTask, most: int, method: Method) -> Candidates:
+def cheapest_bang_off_bang(task: SparseTask, most: int, method: Method) -> Candidates:
     """Try torque at the start only, or as long at the end too, for every length up to `most`."""
     shapes = [(first, last) for first in range(1, most + 1) for last in (0, first)]
     return polish(task, *_both_ways(task, bang_off_bang_supports(task, shapes)), method)

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.problems.hands_off.search.bang_off_bang import cheapest_bursts, try_bang_off_bang
+from jaxatt.problems.hands_off.search.bang_off_bang import cheapest_bang_off_bang, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
@@ -82,7 +82,7 @@ def _rescued(task: SparseTask, method: MakeMethod) -> list[Candidates]:
     """Try bang-off-bang supports, longer and longer, until some reach."""
     size = 2
     while size <= task.intervals:
-        tried = try_bang_off_bang(task, size, method("l0", "trying bursts at both ends"))
+        tried = try_bang_off_bang(task, size, method("l0", "trying bang-off-bang"))
         if tried.verdict.reached.any():
             return [tried.pick(np.flatnonzero(tried.verdict.reached))]
         size = max(size + 1, round(1.3 * size))
@@ -123,7 +123,7 @@ def _cheapest(
 ) -> BoundedFound:
     starts = from_bounded_starts(task, count, seed, guess, method)
     most = min(_LONGEST_BURST, task.intervals // 2)
-    bursts = cheapest_bursts(task, most, method("l0", "trying bursts at both ends"))
+    bursts = cheapest_bang_off_bang(task, most, method("l0", "trying bang-off-bang"))
     pool = _improved(task, join(starts, bursts), method, False)
     arriving = task.reaching()
     arrived = search_bounded(arriving, count, seed, guess, method).pool
