@@ -1,8 +1,8 @@
 """Complementarity pairs of slack s and multiplier z, each linearised for a Newton step.
 
-A pair's multiplier after a step is  z = intercept - stiffness ds.  Under a barrier b the line is the
-tangent of  s z = b.  Once it is known which limits hold (the active set), it is  s = 0  or  z = 0
-itself, and Newton's method ends in a few steps even where a limit holds with hardly any force,
+A pair's multiplier after a step is  z = intercept - stiffness ds.  Under a barrier b the line is
+the tangent of  s z = b.  Once it is known which limits hold (the active set), it is  s = 0  or  z =
+0 itself, and Newton's method ends in a few steps even where a limit holds with hardly any force,
 where the pairs of a barrier problem only halve from step to step.
 
 Sources: Hintermueller, Ito and Kunisch (2002), "The primal-dual active set strategy as a semismooth

@@ -110,7 +110,7 @@ class StageDerivatives:
 def _along(function: Callable[[Array], Array], at: Array, directions: Array) -> tuple[Array, Array]:
     """Gradient of a function, and its Hessian along directions (k, size), (k, size).
 
-    A loop, for the reason given in `RungeKutta.bend`.
+    A loop, for the reason given in `RungeKutta.second_order`.
     """
 
     def one(_: None, direction: Array) -> tuple[None, Array]:
