@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from jaxatt.optimize.manifold_check import check_manifold
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.parameter_checks import check_arrays
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -38,6 +39,9 @@ def check_stages(program: OptimalControlProgram, args: Any) -> None:
             f"stages have leading axes {counts}; the same one, of N stages, is expected"
         )
     _check_first_stage(program, args, x.shape)
+    if program.on_manifold and program.layout is None:
+        start = program.start(args)
+        check_manifold(program.retract, program.difference, start, program.error_size)
 
 
 @functools.cache
@@ -52,8 +56,6 @@ def _evaluated(program: OptimalControlProgram) -> tuple[Callable[..., Any], Call
             "dynamics": program.dynamics(x, u, stage, args),
             "cost": program.cost(x, u, stage, args, jnp.zeros(())),
             "terminal_cost": program.final_cost(x, args),
-            "difference": program.difference(x, x),
-            "retract": program.retract(x, jnp.zeros(program.error_size)),
             "equality": program.equalities(x, u, stage, args),
             "inequality": program.inequalities(x, u, stage, args),
             "final_rows": program.final_equalities(x, args),
@@ -65,13 +67,7 @@ def _evaluated(program: OptimalControlProgram) -> tuple[Callable[..., Any], Call
 
 def _check_first_stage(program: OptimalControlProgram, args: Any, shape: tuple[int, ...]) -> None:
     evaluate, compiled = _evaluated(program)
-    expected = {
-        "dynamics": shape,
-        "cost": (),
-        "terminal_cost": (),
-        "difference": (program.error_size,),
-        "retract": shape,
-    }
+    expected: dict[str, tuple[int, ...]] = {"dynamics": shape, "cost": (), "terminal_cost": ()}
     for name, found in jax.eval_shape(evaluate, args).items():
         fits = found.shape == expected[name] if name in expected else len(found.shape) == 1
         if not fits:

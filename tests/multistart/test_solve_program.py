@@ -339,6 +339,22 @@ def test_what_the_solver_does_not_support_is_refused_by_name(more, feature):
         jaxatt.solve_program(in_stages(**more))
 
 
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ({"dynamics": lambda x, u, stage, p: u[0]}, r"dynamics .* shape \(\); \(1,\) is expected"),
+        ({"cost": lambda x, u, stage, p, smoothing: u}, r"cost .* shape \(1,\); \(\) is expected"),
+        ({"inequality": lambda x, u, stage, p: x[0]}, r"inequality .* shape \(\); \(rows,\) is"),
+        ({"start": lambda p: jnp.full(1, jnp.nan)}, r"dynamics is \[nan\] at the first evaluation"),
+        ({"retract": lambda x, e: x + e**2}, r"retract and difference disagree at x = \[0\.\]"),
+        ({"stages": lambda p: (jnp.zeros(3), jnp.zeros(2))}, r"leading axes \[\(2,\), \(3,\)\]"),
+    ],
+)
+def test_stages_that_make_no_sense_are_named(more, message):
+    with pytest.raises(ValueError, match=message):
+        jaxatt.solve_program(OptimalControlProgram(**(vars(in_stages()) | more)))
+
+
 def test_a_programme_in_stages_needs_its_number_of_controls():
     program = in_stages()
     with pytest.raises(ValueError, match="control_size of the programme is None"):

@@ -14,13 +14,10 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from jaxatt.optimize.manifold_check import check_manifold
 from jaxatt.optimize.transcription.continuous import Continuous
 from jaxatt.optimize.transcription.inputs import crossing
 from jaxatt.runtime.settings import RUNS_ONCE
-
-_SMALL = 1e-3
-_AGREES = 1e-6
-"""Difference between an error and what becomes of it by retract and difference."""
 
 
 def check_parameters(of: Continuous, p: Any) -> None:
@@ -37,7 +34,8 @@ def check_parameters(of: Continuous, p: Any) -> None:
         crossing("control_bounds", np.asarray(lower), np.asarray(upper))
     _check_rows(of, p)
     if of.retract is not None:
-        _check_manifold(of, jnp.asarray(start))
+        assert of.difference is not None
+        check_manifold(of.retract, of.difference, jnp.asarray(start), of.error_size)
 
 
 def _value(name: str, function: Callable[[Any], Array], shape: tuple[int, ...], p: Any) -> Any:
@@ -109,28 +107,3 @@ def _check_rows(of: Continuous, p: Any) -> None:
                 f"{name} has a derivative that is not finite at the first evaluation, {where}; "
                 "write it so that it can be differentiated there"
             )
-
-
-def _check_manifold(of: Continuous, x: Array) -> None:
-    """Check retract(x, 0) = x and difference(retract(x, e), x) = e for a few small e."""
-    assert of.retract is not None and of.difference is not None
-    n, s = of.error_size, of.states
-    moved = jax.eval_shape(of.retract, x, jnp.zeros(n)).shape
-    if moved != (s,):
-        raise ValueError(f"retract returns an array of shape {moved}; ({s},) is expected")
-    missed = jax.eval_shape(of.difference, x, x).shape
-    if missed != (n,):
-        raise ValueError(
-            f"difference returns an array of shape {missed}; ({n},), error_size, is expected"
-        )
-    rng = np.random.default_rng(0)
-    for error in (np.zeros(n), *(_SMALL * rng.normal(size=(3, n)))):
-        back = np.asarray(of.difference(of.retract(x, jnp.asarray(error)), x))
-        if not np.abs(back - error).max() <= _AGREES:
-            raise ValueError(
-                f"retract and difference disagree at x = {np.asarray(x)}: "
-                f"difference(retract(x, e), x) is {back} for e = {error}, and e is expected"
-            )
-    same = np.asarray(of.retract(x, jnp.zeros(n)))
-    if not np.abs(same - np.asarray(x)).max() <= _AGREES:
-        raise ValueError(f"retract(x, 0) is {same} at x = {np.asarray(x)}; x is expected")
