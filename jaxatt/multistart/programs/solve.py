@@ -35,6 +35,8 @@ from jaxatt.runtime.settings import QUICK_TO_COMPILE
 
 _USUAL = (0.1, 1000.0)
 """Sizes of an objective that the solver's settings fit; others are scaled."""
+_BARRIER = 0.1
+"""The first one, of objectives of those sizes."""
 _RENEWALS = 3
 """Of a start that is stuck."""
 _SAME = 1e-6
@@ -91,6 +93,7 @@ def solve_program(
     settings = InteriorSettings(
         tolerance=tolerance,
         max_iterations=max_iterations,
+        barrier=_BARRIER,
         shifts=SMALL_SHIFTS,
         renewals=_RENEWALS,
     )
