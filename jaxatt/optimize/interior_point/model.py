@@ -7,10 +7,12 @@ coordinates of the first state is how far the point is from being stationary.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax import Array, lax
 
 from jaxatt.optimize.optimal_control import OptimalControlProgram, lagrangian_hessian, linearisation
@@ -92,6 +94,24 @@ class Duals(NamedTuple):
     final: Array
 
 
+def _bent(of: Callable[[Array], Array], at: Array) -> Array:
+    """Second derivatives of a scalar, forward twice, each pair of directions once.
+
+    Backwards, every entry that is read becomes an addition to a whole vector, and the compiler
+    takes four times as long, and gigabytes, for a few rows.
+    """
+    size = at.shape[0]
+    first, second = np.triu_indices(size)
+    place = np.zeros((size, size), int)
+    place[first, second] = place[second, first] = np.arange(len(first))
+    ways = jnp.eye(size, dtype=at.dtype)
+
+    def along(a: Array, b: Array) -> Array:
+        return jax.jvp(lambda z: jax.jvp(of, (z,), (a,))[1], (at,), (b,))[1]
+
+    return jax.vmap(along)(ways[first], ways[second])[place]
+
+
 def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any) -> Model:
     """Compute the derivatives of all stages."""
     n, size = program.error_size, nodes.u.shape[1]
@@ -161,12 +181,9 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
     ) -> Array:
         hessian = lagrangian_hessian(program, x, u, x_next, stage, args, costate, kept)
         if dual.shape[0]:
-            hessian = hessian - jax.hessian(lambda z: jnp.sum(dual * inequality(z, x, u, stage)))(
-                at
-            )
+            hessian = hessian - _bent(lambda z: jnp.sum(dual * inequality(z, x, u, stage)), at)
         if held.shape[0]:
-            bent = jax.hessian(lambda z: jnp.sum(held * equality(z, x, u, stage)))(at)
-            hessian = hessian + bent
+            hessian = hessian + _bent(lambda z: jnp.sum(held * equality(z, x, u, stage)), at)
         return hessian
 
     # The recursion of the costates alone is a loop: inside it XLA would compute the rest again for
@@ -192,7 +209,7 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
         slopes_at_end[0],
         values[1],
         slopes_at_end[1],
-        jax.hessian(last)(rest),
+        _bent(last, rest),
         costate,
     )
 
