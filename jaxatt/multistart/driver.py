@@ -190,13 +190,23 @@ def _to(axis: int, starts: Any) -> Any:
     return jax.tree.map(lambda leaf: jnp.moveaxis(jnp.asarray(leaf), 0, axis), starts)
 
 
+_states: dict[Hashable, Any] = {}
+"""Shapes of states that were asked for before: tracing takes longer than many a chunk."""
+
+
 def _state(solver: Solver, problem: Problem, starts: Any, args: Any) -> Any:
     """Shapes of the state of one start."""
 
-    def first(start: Any) -> Any:
+    def first(start: Any, args: Any, solver: Solver) -> Any:
         return solver.init(problem.program, *problem.enter(start, args))
 
-    return jax.eval_shape(first, jax.tree.map(lambda leaf: leaf[0], starts))
+    one = jax.tree.map(lambda leaf: leaf[0], starts)
+    leaves, tree = jax.tree.flatten((one, args, solver))
+    kinds = [(np.shape(leaf), getattr(leaf, "dtype", type(leaf))) for leaf in leaves]
+    key = (problem, tree, *kinds)
+    if key not in _states:
+        _states[key] = jax.eval_shape(first, one, args, solver)
+    return _states[key]
 
 
 def _empty(solver: Solver, state: Any, rows: int) -> Any:

@@ -56,6 +56,7 @@ class RootProgram:
             features.SEPARATE_BOUNDS: self.bounds is not None,
             features.ONE_SIDED_ROWS: self.path is not None,
             features.COUNTED_APART: not self.shared,
+            features.EFFORT: self.effort_map is not None and self.effort_scale is not None,
         }
         own = frozenset(name for name, there in asked.items() if there)
         return own if self.stages is None else own | self.stages.features

@@ -6,6 +6,10 @@ ended, steps of stabilised SQP are tried from there and kept while the residual 
 conditions falls.  Where the violation does not shrink it is minimised by itself, to tell locally
 infeasible from slow.
 
+It keeps a loop of its own: with trust region, trials of Newton steps, restoration and the best
+point met, its outer part decides otherwise than `augmented_lagrangian.outer`, and for few variables
+all starts fit into one call.
+
 Sources: Nocedal & Wright (2006), chapter 17; Andreani, Birgin, Martinez & Schuverdt (2007) for the
 updates; Gill & Robinson (2013) for the combination with stabilised SQP; Waechter & Biegler (2006)
 for scaling and residuals.

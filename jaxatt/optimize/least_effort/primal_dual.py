@@ -81,8 +81,15 @@ class LeastEffort(Solver):
     schedule: Schedule
 
     name = "least effort"
-    supports = frozenset({features.ROWS_AT_ONCE, features.MAGNITUDE_LIMITS, features.COUNTED_APART})
-    needs = frozenset({features.ROWS_AT_ONCE, features.MAGNITUDE_LIMITS})
+    supports = frozenset(
+        {
+            features.ROWS_AT_ONCE,
+            features.MAGNITUDE_LIMITS,
+            features.COUNTED_APART,
+            features.EFFORT,
+        }
+    )
+    needs = frozenset({features.ROWS_AT_ONCE, features.MAGNITUDE_LIMITS, features.EFFORT})
     batch_axis = 0
     passes = 8
 

@@ -147,9 +147,17 @@ def sparse_roots(system: SparseSystem, shared: bool) -> RootProgram:
         path=path and (lambda u, args: path(u, args.plant)),
         limits=limits and (lambda args: limits(args.plant)),
         bounds=bounds and (lambda args: bounds(args.plant)),
+        shared=shared or bounds is not None,
+    )
+
+
+@functools.cache
+def sparse_effort(system: SparseSystem, shared: bool) -> RootProgram:
+    """The same rows, to be brought to zero with the least effort."""
+    return replace(
+        sparse_roots(system, shared),
         effort_map=lambda args: args.effort_map,
         effort_scale=lambda args: args.effort_scale,
-        shared=shared or bounds is not None,
     )
 
 

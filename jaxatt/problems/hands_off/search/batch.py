@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -13,6 +14,7 @@ from jaxatt.problems.hands_off.sparse_program import (
     SparseArguments,
     SparseSystem,
     slack_program,
+    sparse_effort,
     sparse_program,
     sparse_roots,
     with_slacks,
@@ -39,7 +41,8 @@ class Form:
 
     system : the controlled system.  shared : whether an interval's controls count as one.
     kind : which programme the solver gets: "sparse" without dynamics, "slacks" the L1 problem with
-        slacks, "roots" of the rows; or the same interval by interval, "stages" and "stage roots".
+        slacks, "roots" of the rows, "effort" for the least one at a root; or interval by interval,
+        "stages" as "sparse" and "stage roots" as "roots".
     size : number of controls.
     """
 
@@ -55,7 +58,12 @@ class Form:
             return sparse_stages(self.system, self.size, self.shared)
         if self.kind == "stage roots":
             return sparse_stage_roots(self.system, self.size, self.shared)
-        build = {"slacks": slack_program, "sparse": sparse_program, "roots": sparse_roots}
+        build: dict[str, Callable[[SparseSystem, bool], Any]] = {
+            "slacks": slack_program,
+            "sparse": sparse_program,
+            "roots": sparse_roots,
+            "effort": sparse_effort,
+        }
         return build[self.kind](self.system, self.shared)
 
     @property

@@ -237,7 +237,7 @@ def spending(task: SparseTask, method: Method, most: int | None = None) -> tuple
     if method.stages_for(task):
         return RiccatiLagrangian(up_to(POLISH)), "stages"
     if method.spends_least_for(task):
-        return LeastEffort(up_to(LEAST)), "roots"
+        return LeastEffort(up_to(LEAST)), "effort"
     if method.decides == "l1":
         return method.lagrangian(up_to(SLACK)), "slacks"
     return method.lagrangian(up_to(POLISH)), "sparse"
