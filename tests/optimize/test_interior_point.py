@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 import scipy.optimize
 
-from jaxatt.optimize.interior_point.solver import InteriorSettings, advance, begin, solve_interior
+from jaxatt.optimize.interior_point.method import InteriorPoint
+from jaxatt.optimize.interior_point.state import InteriorSettings
 from jaxatt.optimize.optimal_control import OptimalControlProgram, lagrangian_hessian, linearisation
+from jaxatt.optimize.solver import solve
 from jaxatt.optimize.status import Status
 
 INTERVALS = 20
@@ -45,7 +47,8 @@ def double_integrator(limited_rate=False, free_time=True):
 def solved(program, u, args, crossover_from=1e-3):
     def one(u, args):
         x = jnp.broadcast_to(program.start(args), (INTERVALS + 1, 3))
-        return solve_interior(program, u, x, args, InteriorSettings(crossover_from=crossover_from))
+        method = InteriorPoint(InteriorSettings(crossover_from=crossover_from))
+        return solve(method, program, (u, x), args)
 
     return jax.vmap(one)(u, args)
 
@@ -201,13 +204,12 @@ def test_a_limit_without_force_does_not_slow_the_end():
 
 def test_passes_leave_a_state_of_the_same_types():
     """A weak type among them would make every caller compile its passes twice."""
-    program, settings = double_integrator(), InteriorSettings()
+    program, method = double_integrator(), InteriorPoint(InteriorSettings())
     args = (1.0, 1.0, np.inf, 0.0, 0.1)
     x = jnp.zeros((INTERVALS + 1, 3))
-    start = jax.eval_shape(
-        lambda u: begin(program, u, x, args, settings), jnp.zeros((INTERVALS, 1))
-    )
-    later = jax.eval_shape(lambda state: advance(program, state, args, settings, 1), start)
+    u = jnp.zeros((INTERVALS, 1))
+    start = jax.eval_shape(lambda u: method.init(program, (u, x), args), u)
+    later = jax.eval_shape(lambda state: method.step(program, state, args), start)
     for a, b in zip(jax.tree.leaves(start), jax.tree.leaves(later), strict=True):
         assert (a.shape, a.dtype) == (b.shape, b.dtype)
         assert not b.weak_type

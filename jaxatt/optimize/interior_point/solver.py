@@ -29,10 +29,10 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
 from jaxatt.optimize.interior_point.model import Bounded, Nodes, values
-from jaxatt.optimize.interior_point.newton_pass import PUSH, advanced, renewed, roomy
+from jaxatt.optimize.interior_point.newton_pass import PUSH, renewed, roomy
 from jaxatt.optimize.interior_point.residuals import unmet
 from jaxatt.optimize.interior_point.state import (
     RUNNING,
@@ -50,11 +50,9 @@ __all__ = [
     "InteriorSettings",
     "InteriorSolution",
     "State",
-    "advance",
     "begin",
     "outcome",
     "running",
-    "solve_interior",
 ]
 
 
@@ -114,31 +112,6 @@ def running(state: State, settings: InteriorSettings) -> Array:
     return (state.status == RUNNING) & (state.iterations < settings.max_iterations)
 
 
-def advance(
-    program: OptimalControlProgram,
-    state: State,
-    args: Any,
-    settings: InteriorSettings,
-    passes: Array | int | None = None,
-) -> State:
-    """Advance a start by some iterations, or until it ends.
-
-    passes : at most; without it as many as it takes.
-    """
-    most = settings.max_iterations if passes is None else passes
-    limits = Limits.of(program, state.place.point.nodes.u.shape[1], args)
-
-    def going(carry: tuple[State, Array]) -> Array:
-        state, made = carry
-        return running(state, settings) & (made < most)
-
-    def onward(carry: tuple[State, Array]) -> tuple[State, Array]:
-        state, made = carry
-        return advanced(program, limits, state, args, settings), made + 1
-
-    return lax.while_loop(going, onward, (state, jnp.asarray(0)))[0]
-
-
 def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
     """Result of a start from its final state."""
     feasible = state.violation <= settings.tolerance
@@ -159,19 +132,6 @@ def outcome(state: State, settings: InteriorSettings) -> InteriorSolution:
         point.dual,
         state.iterations,
     )
-
-
-def solve_interior(
-    program: OptimalControlProgram, u: Array, states: Array, args: Any, settings: InteriorSettings
-) -> InteriorSolution:
-    """Minimise an `OptimalControlProgram` from one start.
-
-    u : (N, b) and states : (N + 1, s), which need not obey the dynamics.
-
-    Nothing raises inside; the outcome is in `InteriorSolution.status`.
-    """
-    start = begin(program, u, states, args, settings)
-    return outcome(advance(program, start, args, settings), settings)
 
 
 def _first_point(
