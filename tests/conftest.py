@@ -17,6 +17,7 @@ import jax  # noqa: E402
 import pytest  # noqa: E402
 
 import jaxatt  # noqa: E402
+from jaxatt.runtime.compilation import Routine  # noqa: E402
 
 jaxatt.configure()
 jax.config.update("jax_numpy_rank_promotion", "raise")
@@ -26,10 +27,25 @@ ENOUGH = 1.5 * GIB
 """Memory of a worker beyond which it forgets what it has compiled, between two files."""
 
 FIRST = (
+    # Studies
+    "test_maximum_hands_off.py",
+    "test_time_and_effort.py",
+    "test_on_off_thrusters.py",
+    "test_published_cases.py",
+    # Either
     "test_timed_cases.py",
+    "test_minimize_collection.py",
+    # Tests
     "test_pointing_cases.py",
-    "test_certify.py",
     "test_solve.py",
+    "test_solve_program.py",
+    "test_time_optimal_search.py",
+    "test_interior_point.py",
+    "test_published_flights.py",
+    "test_reorientation.py",
+    "test_closed_loop.py",
+    "test_certify.py",
+    "test_pointing_thrusters.py",
 )
 """The files that take longest: begun first, so that no worker is left alone with one at the end."""
 
@@ -54,6 +70,9 @@ def _no_hoard():
     yield
     statm = Path("/proc/self/statm")  # Linux; elsewhere nothing is given back
     if statm.exists() and int(statm.read_text().split()[1]) * resource.getpagesize() > ENOUGH:
+        for routine in (thing for thing in gc.get_objects() if type(thing) is Routine):
+            routine._begun.clear()
+            routine._plain.clear()
         gc.collect()
         jax.clear_caches()
 

@@ -34,9 +34,8 @@ assert jnp.ones(2).dtype == jnp.float64
 assert workers() == len(os.sched_getaffinity(0))
 assert "--xla_cpu_enable_fast_math=false" in os.environ["XLA_FLAGS"]
 assert "multi_output_fusion" in os.environ["XLA_FLAGS"]
-from jaxatt import scenarios
-from jaxatt.problems.hands_off.build import build_slew
-build_slew(scenarios.load("hypso1-45-0-0"))
+jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+assert jax.jit(lambda x: 2.0 * x)(1.5) == 3.0
 """
     ended = run(code, XLA_FLAGS="--xla_cpu_enable_fast_math=false")
     assert ended.returncode == 0, ended.stderr
