@@ -91,7 +91,7 @@ class LeastEffort(Solver):
     )
     needs = frozenset({features.ROWS_AT_ONCE, features.MAGNITUDE_LIMITS, features.EFFORT})
     batch_axis = 0
-    passes = 8
+    passes = 16
 
     def init(self, program: RootProgram, start: Array, args: Any) -> _State:
         """State of a start, moved within the limits."""
