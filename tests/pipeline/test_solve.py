@@ -195,6 +195,7 @@ def test_wheel_speed_limits_hold_in_flight():
     assert result.phases[0].margin_violation <= 1e-6
 
 
+@pytest.mark.slow  # compiles the programme in stages with speed limits, for itself alone
 def test_a_speed_limit_that_nothing_can_meet_is_said_to_be_in_the_way():
     limited = {"vehicle.wheels.speed_limit_rad_s": 1.0, "solver.starts": 8}
     result = jaxatt.solve(changed(limited))
