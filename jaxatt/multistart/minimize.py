@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from jax import Array
 
+from jaxatt.multistart.driver import Plain, run_starts
 from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.inputs import (
     Floats,
@@ -23,7 +23,7 @@ from jaxatt.optimize.dense.inputs import (
     limits_of,
     starts_of,
 )
-from jaxatt.optimize.dense.solver import solve
+from jaxatt.optimize.dense.solver import Case, DenseLagrangian
 from jaxatt.optimize.dense.start import draw
 from jaxatt.optimize.status import Status
 
@@ -138,6 +138,7 @@ def minimize(
     chosen = inner_of(inner, n)
     limits = limits_of(tolerance, max_iterations, chosen)
     functions = Functions(objective, equality, inequality)
+    solver = DenseLagrangian(limits, chosen)
     m, p = counts_of(functions, begin[0], args)
     root = key_of(key)
     own = begin.shape[0]
@@ -146,32 +147,14 @@ def minimize(
     for round_ in range(1 + _RESCUES):
         first = round_ * total
         index = np.arange(first, first + total)
-        ends.append(
-            jax.tree.map(
-                np.asarray,
-                _solver()(functions, draw(begin, index, box, root), args, box, limits, chosen),
-            )
-        )
+        draws = draw(begin, index, box, root)
+        ends.append(run_starts(solver, Plain(functions), draws, Case(args, box), rows=total))
         status = ends[-1].status
         if np.isin(status, (Status.CONVERGED, Status.UNBOUNDED)).any():
             break
         if round_ > 0 and any((end.status == Status.FEASIBLE).any() for end in ends):
             break
     return _answer(jax.tree.map(lambda *leaves: np.concatenate(leaves), *ends), m, p)
-
-
-@functools.cache
-def _solver() -> Any:
-    """The dense solver, compiled once for every set of functions, shapes and inner minimiser.
-
-    On CPUs XLA's newer emitters for fused loops take twice as long to compile and run no faster.
-    """
-    options: dict[str, bool | str] = {"xla_cpu_use_fusion_emitters": False}
-    try:
-        jax.jit(lambda: 0, compiler_options=options)()
-    except jax.errors.JaxRuntimeError:  # not every version of XLA has that option
-        options = {}
-    return jax.jit(solve, static_argnames=("functions", "inner"), compiler_options=options)
 
 
 def _answer(ends: Any, m: int, p: int) -> Minimum:

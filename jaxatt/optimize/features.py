@@ -13,6 +13,9 @@ STAGE_INEQUALITY = "stage inequality"
 HELD_VARIABLES = "held variables"
 """Of a `Program`."""
 
+FEW_VARIABLES = "few variables"
+"""Of the functions of `minimize`, with `EQUALITY` and `INEQUALITY`."""
+
 DYNAMICS = "dynamics over stages"
 PATH_EQUALITY = "path equality"
 SOFT_PATH_ROWS = "soft path rows"

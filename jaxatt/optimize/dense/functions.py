@@ -10,6 +10,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize import features
+
 Function = Callable[..., Any]
 
 _LARGEST_SLOPE = 100.0
@@ -27,6 +29,15 @@ class Functions:
     objective: Function
     equality: Function | None = None
     inequality: Function | None = None
+
+    @property
+    def features(self) -> frozenset[str]:
+        """Features that a solver has to support."""
+        asked = {
+            features.EQUALITY: self.equality is not None,
+            features.INEQUALITY: self.inequality is not None,
+        }
+        return frozenset(name for name, there in asked.items() if there) | {features.FEW_VARIABLES}
 
     def parts(self, x: Array, args: Any) -> tuple[Array, Array, Array]:
         """Objective (), equalities (m,) and inequalities (p,) at x, (n,)."""

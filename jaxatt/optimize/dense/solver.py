@@ -1,4 +1,4 @@
-"""Augmented-Lagrangian method for small dense programmes, many starts in one loop.
+"""Augmented-Lagrangian method for small dense programmes.
 
 As for slews the loop is flat: a pass evaluates derivatives once, decides, and moves once.  Inside
 the augmented Lagrangian, with its exact Hessian, is minimised over the box; whenever that has
@@ -6,9 +6,8 @@ ended, steps of stabilised SQP are tried from there and kept while the residual 
 conditions falls.  Where the violation does not shrink it is minimised by itself, to tell locally
 infeasible from slow.
 
-It keeps a loop of its own: with trust region, trials of Newton steps, restoration and the best
-point met, its outer part decides otherwise than `augmented_lagrangian.outer`, and for few variables
-all starts fit into one call.
+With trust region, trials of Newton steps, restoration and the best point met, its outer part
+decides otherwise than `augmented_lagrangian.outer`.
 
 Sources: Nocedal & Wright (2006), chapter 17; Andreani, Birgin, Martinez & Schuverdt (2007) for the
 updates; Gill & Robinson (2013) for the combination with stabilised SQP; Waechter & Biegler (2006)
@@ -17,12 +16,14 @@ for scaling and residuals.
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
+from jaxatt.optimize import features
 from jaxatt.optimize.dense.advance import advance
 from jaxatt.optimize.dense.decide import decide
 from jaxatt.optimize.dense.functions import Functions
@@ -41,6 +42,7 @@ from jaxatt.optimize.dense.state import (
 )
 from jaxatt.optimize.dense.task import Task
 from jaxatt.optimize.dense.trials import try_out
+from jaxatt.optimize.solver import Solver
 from jaxatt.optimize.status import Status
 
 
@@ -52,36 +54,59 @@ class Ending(NamedTuple):
     iterations: Array
 
 
-def solve(
-    functions: Functions, draws: Draws, args: Any, box: Box, limits: Limits, inner: str
-) -> Ending:
-    """Minimise from every start of `draws`, leading axis S.
+class Case(NamedTuple):
+    """What all starts share: the user's arguments and the bounds of the variables."""
 
-    inner : "newton", "gauss-newton", "lbfgs" or "adam".  Nothing raises inside.
+    values: Any
+    box: Box
 
-    The starts share one loop written out, not `vmap` of a loop, which would trace the pass again
-    and again until it knew what depends on the start.
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class DenseLagrangian(Solver):
+    """Augmented-Lagrangian method for `Functions` of few variables; a start is its `Draws`.
+
+    inner : "newton", "gauss-newton", "lbfgs" or "adam".
     """
-    m, p = functions.counts(draws.x0[0], args)
-    equal = jnp.arange(m + p) < m
 
-    def task(began: Beginning) -> Task:
+    limits: Limits
+    inner: str = field(default="newton", metadata={"static": True})
+
+    name = "dense augmented Lagrangian"
+    supports = frozenset({features.FEW_VARIABLES, features.EQUALITY, features.INEQUALITY})
+    needs = frozenset({features.FEW_VARIABLES})
+    calls_lapack = True
+    batch_axis = 0
+    passes = 50
+
+    def init(self, program: Functions, start: Draws, args: Case) -> tuple[Beginning, State]:
+        """State of a start at its first finite point, with its scaling."""
+        began = begin(program, start, args.values, args.box)
+        return began, _first(self._task(program, began, args), began)
+
+    def step(
+        self, program: Functions, state: tuple[Beginning, State], args: Case
+    ) -> tuple[Beginning, State]:
+        """Evaluate derivatives once, decide, and move once."""
+        began, s = state
+        return began, _next(self._task(program, began, args), s)
+
+    def done(self, state: tuple[Beginning, State]) -> Array:
+        """Whether the start has ended or run out of passes."""
+        _, s = state
+        return (s.status != RUNNING) | (s.iterations >= self.limits.max_iterations)
+
+    def result(self, program: Functions, state: tuple[Beginning, State], args: Case) -> Ending:
+        """Best point of a start."""
+        began, s = state
+        return _ending(s, self.limits, began.unit)
+
+    def _task(self, program: Functions, began: Beginning, args: Case) -> Task:
+        m, p = program.counts(began.x, args.values)
+        equal = jnp.arange(m + p) < m
         unit = began.unit
-        scaled = Box(box.lower / unit, box.upper / unit)
-        return Task(functions, args, scaled, began.scale, unit, equal, limits, inner)
-
-    def running(s: State) -> Array:
-        return (s.status == RUNNING) & (s.iterations < limits.max_iterations)
-
-    def one_pass(began: Beginning, s: State) -> State:
-        return choose(running(s), _next(task(began), s), s)
-
-    began = jax.vmap(lambda draw: begin(functions, draw, args, box))(draws)
-    start = jax.vmap(lambda one: _first(task(one), one))(began)
-    end = lax.while_loop(
-        lambda s: jnp.any(running(s)), lambda s: jax.vmap(one_pass)(began, s), start
-    )
-    return jax.vmap(lambda s, unit: _ending(s, limits, unit))(end, began.unit)
+        scaled = Box(args.box.lower / unit, args.box.upper / unit)
+        return Task(program, args.values, scaled, began.scale, unit, equal, self.limits, self.inner)
 
 
 def _next(task: Task, s: State) -> State:
