@@ -10,6 +10,11 @@ from jaxatt.multistart.driver import Plain, run_starts
 from jaxatt.optimize import features
 from jaxatt.optimize.augmented_lagrangian.outer import Schedule
 from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
+from jaxatt.optimize.dense.functions import Functions
+from jaxatt.optimize.dense.inputs import limits_of
+from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.solver import Case, DenseLagrangian
+from jaxatt.optimize.dense.start import Draws
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.state import InteriorSettings
 from jaxatt.optimize.least_effort.primal_dual import LeastEffort
@@ -35,6 +40,7 @@ SOLVERS = {
         BoundedReweighting(),
         StagedReweighting(Reweighting(settling=8)),
         LeastEffort(Schedule(smoothing_factor=0.45)),
+        DenseLagrangian(limits_of(1e-8, 200, "newton"), "newton"),
     )
 }
 
@@ -51,6 +57,14 @@ VARIABLES = {
     features.INEQUALITY: ({"inequality": SUM["equality"]}, 0.5),
     features.STAGE_INEQUALITY: ({"stage_inequality": lambda x, args: x - 0.3}, 0.3),
     features.HELD_VARIABLES: ({"free": lambda x, args: jnp.zeros_like(x)}, 0.0),
+}
+
+# The same two variables, in the functions that `minimize` takes.
+DISTANCE = Functions(lambda x: 0.5 * jnp.sum((x - 0.1) ** 2))
+FEW = {
+    features.FEW_VARIABLES: ({}, 0.1),
+    features.EQUALITY: ({"equality": lambda x: jnp.sum(x) - 1.0}, 0.5),
+    features.INEQUALITY: ({"inequality": lambda x: jnp.sum(x) - 1.0}, 0.5),
 }
 
 # A state that begins at 1 and grows by its control, which wants to be 0.1, in each of 4 stages.
@@ -138,13 +152,36 @@ def refused(solver, program, feature):
     return True
 
 
+def of_another_kind(solver, program):
+    """Whether a solver refuses the kind of a programme by name, though it supports the feature."""
+    if program.features <= solver.supports:
+        return False
+    with pytest.raises(ValueError, match=solver.name):
+        refuse(solver, program)
+    return True
+
+
+@pytest.mark.parametrize("feature", FEW)
+@pytest.mark.parametrize("name", SOLVERS)
+def test_functions_of_few_variables(name, feature):
+    changes, answer = FEW[feature]
+    solver, program = SOLVERS[name], replace(DISTANCE, **changes)
+    assert feature in program.features
+    if refused(solver, program, feature) or of_another_kind(solver, program):
+        return
+    free = Box(jnp.full(2, -jnp.inf), jnp.full(2, jnp.inf))
+    found = solve(solver, program, Draws(jnp.zeros(2), jnp.ones((1, 2))), Case((), free))
+    np.testing.assert_allclose(found.found.x, answer, atol=1e-6)
+    assert found.status == Status.CONVERGED
+
+
 @pytest.mark.parametrize("feature", VARIABLES)
 @pytest.mark.parametrize("name", SOLVERS)
 def test_programmes_without_dynamics(name, feature):
     changes, answer = VARIABLES[feature]
     solver, program = SOLVERS[name], replace(PLAIN, **changes)
     assert feature in program.features
-    if refused(solver, program, feature):
+    if refused(solver, program, feature) or of_another_kind(solver, program):
         return
     found = solve(solver, program, jnp.zeros((2, 1)), None)
     np.testing.assert_allclose(found.x, answer, atol=1e-5)
@@ -198,4 +235,4 @@ def test_what_a_solver_needs_is_asked_for_by_name(name):
 
 def test_every_feature_is_supported_by_some_solver():
     supported = frozenset().union(*(solver.supports for solver in SOLVERS.values()))
-    assert supported == VARIABLES.keys() | STAGES.keys() | ROOTS.keys()
+    assert supported == FEW.keys() | VARIABLES.keys() | STAGES.keys() | ROOTS.keys()
