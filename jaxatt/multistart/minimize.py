@@ -16,7 +16,6 @@ from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.inputs import (
     Floats,
     box_of,
-    check_precision,
     counts_of,
     inner_of,
     key_of,
@@ -26,6 +25,7 @@ from jaxatt.optimize.dense.inputs import (
 from jaxatt.optimize.dense.solver import Case, DenseLagrangian
 from jaxatt.optimize.dense.start import draw
 from jaxatt.optimize.status import Status
+from jaxatt.runtime.settings import check_precision
 
 ArrayLike = Any
 

@@ -6,7 +6,6 @@ is much faster than a LAPACK call for each member of the batch.
 
 from __future__ import annotations
 
-import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -23,12 +22,6 @@ def solve_spd(matrix: Array, rhs: Array) -> Array:
         return jnp.where(here, pivot[None], rows - column[:, None] * pivot[None])
 
     return lax.fori_loop(0, matrix.shape[0], eliminate, table)[:, -1]
-
-
-def solve_small(matrix: Array, rhs: Array) -> Array:
-    """Solve (S, m, m) positive definite systems for (S, m), the batch axis last on the way."""
-    solve = jax.vmap(solve_spd, in_axes=-1, out_axes=-1)
-    return solve(jnp.moveaxis(matrix, 0, -1), rhs.T).T
 
 
 def invert_spd_blocks(blocks: Array) -> Array:

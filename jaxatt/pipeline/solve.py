@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 
 from jaxatt import scenarios
 from jaxatt.problems.family import PhaseStart, SearchOptions
@@ -20,6 +19,7 @@ from jaxatt.report.result import Result
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.clock import compile_seconds
+from jaxatt.runtime.settings import check_precision
 
 
 def solve(
@@ -44,11 +44,7 @@ def solve(
 
     Raises `ScenarioError` (a `ValueError`) where the scenario does not make sense.
     """
-    if jnp.result_type(float) != jnp.float64:
-        raise ValueError(
-            "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
-            'jax.config.update("jax_enable_x64", True) before the first use of JAX'
-        )
+    check_precision()
     if not isinstance(scenario, scenarios.Scenario):
         scenario = scenarios.load(scenario)
     changes: dict[str, Any] = {

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import jax
+import jax.numpy as jnp
 
 CPU_OPTIONS = {
     # Loops whose buffers are smaller become one machine function instead of many small calls.
@@ -48,3 +49,12 @@ def configure(*, cache: str | Path | None = None) -> None:
     if cache is not None:
         jax.config.update("jax_compilation_cache_dir", str(cache))  # type: ignore[no-untyped-call]
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)  # type: ignore[no-untyped-call]
+
+
+def check_precision() -> None:
+    """Raise an error in single precision, which cannot meet the tolerances."""
+    if jnp.result_type(float) != jnp.float64:
+        raise ValueError(
+            "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
+            'jax.config.update("jax_enable_x64", True) before the first use of JAX'
+        )

@@ -19,7 +19,6 @@ from jaxatt.multistart.programs.solution import (
     ProgramStartsRecord,
 )
 from jaxatt.multistart.programs.starts import Guess, draw_starts, limits_along, typical_cost
-from jaxatt.optimize.dense.inputs import check_precision
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings
 from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
@@ -31,7 +30,7 @@ from jaxatt.optimize.status import Status
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Progress
 from jaxatt.runtime.clock import compile_seconds
-from jaxatt.runtime.settings import QUICK_TO_COMPILE
+from jaxatt.runtime.settings import QUICK_TO_COMPILE, check_precision
 
 _USUAL = (0.1, 1000.0)
 """Sizes of an objective that the solver's settings fit; others are scaled."""

@@ -22,15 +22,6 @@ _ITERATIONS = {"newton": 500, "gauss-newton": 1000, "lbfgs": 5000, "adam": 50_00
 _INNER = {"newton": 60, "gauss-newton": 100, "lbfgs": 300, "adam": 3000}
 
 
-def check_precision() -> None:
-    """Raise an error in single precision, which cannot meet the tolerances."""
-    if jnp.result_type(float) != jnp.float64:
-        raise ValueError(
-            "jax_enable_x64 is off: the solver's tolerances need 64-bit floats; call "
-            'jax.config.update("jax_enable_x64", True) before the first use of JAX'
-        )
-
-
 def limits_of(tolerance: float, max_iterations: int | None, inner: str) -> Limits:
     """Tolerance and iteration limits, with defaults that fit the inner minimiser."""
     if not (np.isreal(tolerance) and 0 < tolerance < np.inf):
