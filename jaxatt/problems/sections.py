@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from matplotlib.axes import Axes
+from rich.table import Table
 from rich.text import Text
 
 from jaxatt.drawing.figure import Picture
@@ -99,6 +100,8 @@ class Sections:
         None for all.
     shades : intervals that every panel shades.
     figures : figures of its own, by name.
+    table, overview : table and overview of an answer in place of those that every answer has, or
+        None for those; where there are many phases, one row or one band a phase.
     starts : draws how all starts of a phase ended; None for effort against active intervals.
     """
 
@@ -117,4 +120,6 @@ class Sections:
     mark: Callable[[Axes, Answer, str, int | None], None] = lambda axes, answer, kind, only: None
     shades: Callable[[Answer], Sequence[Shade]] = lambda answer: ()
     figures: Callable[[Answer], Mapping[str, Picture]] = lambda answer: {}
+    table: Callable[[Answer], Table | None] = lambda answer: None
+    overview: Callable[[Answer], Picture | None] = lambda answer: None
     starts: Callable[[Axes, Phase], None] | None = None

@@ -42,15 +42,15 @@ def to_dataset(result: Answer) -> xarray.Dataset:
 
     Dimensions are `time` (nodes, from the phase's start [s]), `interval`, `axis`, `wheel`,
     `quaternion` (scalar first) and `start`, and those of the family's own; where the case has
-    several phases, `leg` comes first everywhere.  Where the phases' intervals differ in length,
-    `time` holds node numbers and `node_time` (phase, time) the times; `fine_time`, of the cones'
-    angles, and `fine_node_time` likewise.
+    several phases, `leg` comes first everywhere.  Where the phases' intervals differ in length or
+    number, `time` holds node numbers and `node_time` (phase, time) the times; `fine_time`, of the
+    cones' angles, and `fine_node_time` likewise; shorter phases are filled up with NaN.
     """
     import xarray
 
     sections = sections_of(result)
     alternative = any(phase.alternative is not None for phase in result.phases)
-    together = len({phase.step for phase in result.phases}) == 1
+    together = len({(phase.step, len(phase.active)) for phase in result.phases}) == 1
     parts = [
         xarray.Dataset(
             _variables(phase, sections.labels, alternative)
@@ -58,9 +58,12 @@ def to_dataset(result: Answer) -> xarray.Dataset:
             | (
                 {}
                 if together
-                else _times(phase, "node_time") | _fine_times(phase, "fine_node_time")
+                else _times(phase, "node_time")
+                | _fine_times(phase, "fine_node_time")
+                | _coasting(phase)
             ),
             _coordinates(phase)
+            | (_coasting(phase) if together else {})
             | dict(sections.coordinates(phase))
             | (_times(phase) | _fine_times(phase) if together else _numbers(phase)),
         )
@@ -70,19 +73,17 @@ def to_dataset(result: Answer) -> xarray.Dataset:
         dataset = parts[0]
     else:
         numbers = xarray.Variable("leg", np.arange(1, len(parts) + 1), {"long_name": "leg"})
-        dataset = xarray.concat(parts, dim="leg", data_vars="all", coords="minimal", join="exact")
+        # Phases of different lengths are filled up with values that are not numbers.
+        dataset = xarray.concat(
+            parts, dim="leg", data_vars="all", coords="minimal", compat="override", join="outer"
+        )
         dataset = dataset.assign_coords(leg=numbers)
     return dataset.assign_attrs(_attributes(result, sections))
 
 
 def _coordinates(phase: Phase) -> dict[str, Variable]:
-    times, count = node_times(phase), len(phase.active)
+    count = len(phase.active)
     coordinates: dict[str, Variable] = {
-        "coasting": (
-            ("time",),
-            times > phase.step * (count + 0.5),
-            {"long_name": "whether the horizon has ended"},
-        ),
         "interval": (("interval",), np.arange(count), {"long_name": "control interval"}),
         "start": (("start",), np.arange(len(phase.starts.status)), {"long_name": "start"}),
     }
@@ -110,6 +111,11 @@ def _coordinates(phase: Phase) -> dict[str, Variable]:
             {"long_name": "quaternion component, scalar first"},
         )
     return coordinates
+
+
+def _coasting(phase: Phase) -> dict[str, Variable]:
+    ended = node_times(phase) > phase.step * (len(phase.active) + 0.5)
+    return {"coasting": (("time",), ended, {"long_name": "whether the horizon has ended"})}
 
 
 def _times(phase: Phase, nodes: str = "time") -> dict[str, Variable]:

@@ -12,6 +12,7 @@ from jaxatt.drawing.figure import Picture, picture, save
 from jaxatt.drawing.panels import pulses
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.sections import Panel
+from jaxatt.records.phase import Phase
 from jaxatt.records.timeline import timeline
 from jaxatt.records.wording import objective_title
 from jaxatt.report import panels
@@ -37,11 +38,16 @@ _SPACECRAFT: Mapping[str, tuple[str, Panel]] = {
 _DRAWN = ("q_ob", "omega_ob", "omega_ib", "omega_bw", *panels.TORQUES)
 """Series of a spacecraft that those panels show, or that need none of their own."""
 
+_ABREAST = 4
+"""Panels of starts side by side."""
+
 
 def plot(result: Answer) -> Picture:
     """Plot the overview: every quantity over time, and the outcome of all starts."""
+    own = sections_of(result).overview(result)
+    if own is not None:
+        return own
     chosen = list(_panels(result).values())
-    phases = len(result.phases)
     figure = picture(9.0, 1.75 * len(chosen) + 3.2, headline(result))
     above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.75 * len(chosen), 2.6))[
         :, 0
@@ -51,7 +57,7 @@ def plot(result: Answer) -> Picture:
         panel(axes, result)
         panels.shade(axes, result, legend=index == 0)
     column[-1].set_xlabel("time [s]")
-    _starts(list(below.subplots(1, phases, squeeze=False)[0]), result)
+    _starts(list(below.subplots(1, len(_searched(result)), squeeze=False)[0]), result)
     return figure
 
 
@@ -70,9 +76,10 @@ def figures(result: Answer) -> dict[str, Picture]:
     if any(phase.pointing is not None and phase.pointing.angles.size for phase in result.phases):
         made["pointing"] = pointing_figure(result)
     made |= sections_of(result).figures(result)
-    phases = len(result.phases)
-    made["starts"] = picture(5.5 * phases, 4.0, result.scenario.title)
-    _starts(list(made["starts"].subplots(1, phases, squeeze=False)[0]), result)
+    count = len(_searched(result))
+    rows, columns = -(-count // _ABREAST), min(count, _ABREAST)
+    made["starts"] = picture(5.5 * columns, 4.0 * rows, result.scenario.title)
+    _starts(list(made["starts"].subplots(rows, columns, squeeze=False).flat), result)
     return made
 
 
@@ -159,12 +166,21 @@ def _torque(result: Answer, kind: str) -> Picture:
     return figure
 
 
-def _starts(row: list[Axes], result: Answer) -> None:
+def _searched(result: Answer) -> list[tuple[int, Phase]]:
+    """Number and record of the phases that were solved from several starts, or of all phases."""
+    numbered = list(enumerate(result.phases, start=1))
+    return [(k, phase) for k, phase in numbered if len(phase.starts.status) > 1] or numbered
+
+
+def _starts(places: list[Axes], result: Answer) -> None:
     own, unitless = sections_of(result).starts, result.scenario.vehicle is None
-    for index, (axes, phase) in enumerate(zip(row, result.phases, strict=True)):
+    searched = _searched(result)
+    for axes, (number, phase) in zip(places, searched, strict=False):
         if own is None:
             starts_panel(axes, phase, unitless)
         else:
             own(axes, phase)
-        name = f"leg {index + 1}: " if len(result.phases) > 1 else ""
+        name = f"leg {number}: " if len(result.phases) > 1 else ""
         axes.set_title(f"{name}{len(phase.starts.status)} starts", fontsize="medium")
+    for axes in places[len(searched) :]:
+        axes.set_axis_off()

@@ -29,6 +29,9 @@ _ERRORS = (
 
 def result_table(result: Answer) -> Table:
     """Table of the answer, its errors, the outcome of all starts and the time it took."""
+    own = sections_of(result).table(result)
+    if own is not None:
+        return own
     numbers = summary(result)
     blocks: list[Block] = list(numbers["legs"])
     names = [f"leg {block['leg']}" for block in blocks]
