@@ -1,0 +1,59 @@
+"""What a scenario of net power holds beyond what every scenario has."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.runtime.arrays import Floats
+
+
+@dataclass(frozen=True)
+class Weights:
+    """Weights of the printed cost (3.5): of the attitude's and the rate's error, and of time.
+
+    In joules, J s^2 and J/s where energy is the cost; in watts, W s^2 and W/s where mean power is.
+    """
+
+    attitude: float = 0.0
+    rate: float = 0.0
+    time: float = 0.0
+
+
+@dataclass(frozen=True)
+class BaselineGains:
+    """Gains of the PD law that points at the sun, eq. (3.6), and when it lets go of it.
+
+    attitude : [N m].  rate : [N m s].  turn_back : [s] before the end.  hold : [s], for which a
+    torque is held; 0 for the length of an interval.
+    """
+
+    attitude: float
+    rate: float
+    turn_back: float
+    hold: float
+
+
+@dataclass(frozen=True, eq=False)
+class NetPowerOptions:
+    """Options of the family `net-power`.
+
+    satellite : what flies, and where.
+    initial_frame, target_frame : "inertial" or "orbit", to which initial state and target refer.
+    cost : "energy" or "mean-power", of which the most is wanted.
+    wheel_speed_at_end : (n,) [rad/s], or None where the wheels may end with any.
+    load : [W], of the other subsystems.  floor : [J], least charge of the battery.
+    tasks : of a plan, in their order; empty for a single manoeuvre.
+    """
+
+    satellite: Satellite
+    initial_frame: str
+    target_frame: str
+    cost: str
+    weights: Weights
+    baseline: BaselineGains | None
+    wheel_speed_at_end: Floats | None = None
+    load: float = 0.0
+    floor: float = -math.inf
+    tasks: tuple[object, ...] = ()

@@ -1,0 +1,68 @@
+"""Read the objective of a scenario of net power, and the law that it is compared with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jaxatt.problems.net_power.options import BaselineGains, Weights
+from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.scenario import Objective
+from jaxatt.spacecraft import Spacecraft
+
+KIND = "net-power"
+"""Value of `objective.kind`."""
+WHEEL_POWERS = ("signed", "body", "wheels")
+COSTS = ("energy", "mean-power")
+
+
+def read_objective(
+    data: Any, origin: str, craft: Spacecraft, free_time: bool
+) -> tuple[Objective, str, str, Weights]:
+    """Read [objective]: what every objective has, wheel power, cost and weights."""
+    table = Table(data, origin, "[objective]", NET_POWER_TABLES["objective"])
+    table.choice("kind", (KIND,), KIND)
+    terminal = table.choice("terminal", ("reach", "penalty"), "reach")
+    cost = table.choice("cost", COSTS, "energy")
+    if cost == "mean-power" and not free_time:
+        table.fail("cost", "in fixed time it is the same as energy", 'use "energy" or leave it out')
+    if "wheel_power" in table and not craft.wheels.count:
+        table.fail("wheel_power", "the vehicle has no wheels", "drop it")
+    if "time_weight_W_s" in table and not free_time:
+        table.fail(
+            "time_weight_W_s", "the final time is fixed", 'drop it, or set final_time = "free"'
+        )
+    unit, other = ("W", "J") if cost == "mean-power" else ("J", "W")
+    for key in (f"attitude_weight_{other}", f"rate_weight_{other}_s2"):
+        if key in table:
+            table.fail(
+                key, f'cost = "{cost}" is in {unit}', f"give {key.replace(f'_{other}', f'_{unit}')}"
+            )
+    asked = (f"attitude_weight_{unit}", f"rate_weight_{unit}_s2")
+    for key in asked:
+        if key in table and terminal == "reach":
+            table.fail(key, 'terminal = "reach" has no weights', 'drop it, or use "penalty"')
+    weights = Weights(
+        *(
+            table.number(key, at_least=0.0, example="3.75e4") if terminal == "penalty" else 0.0
+            for key in asked
+        ),
+        time=table.number("time_weight_W_s", 0.0, at_least=0.0),
+    )
+    wheel_power = table.choice("wheel_power", WHEEL_POWERS, "wheels")
+    return Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights
+
+
+def read_baseline(data: Any, origin: str, craft: Spacecraft) -> BaselineGains | None:
+    """Read [baseline], the PD law to compare with; None where there is none."""
+    if data is None:
+        return None
+    table = Table(data, origin, "[baseline]", NET_POWER_TABLES["baseline"])
+    if not craft.wheels.count:
+        table.fail(next(iter(table.data), "attitude_gain_Nm"), "it needs wheels", "drop [baseline]")
+    return BaselineGains(
+        attitude=table.number("attitude_gain_Nm", above=0.0, example="8e-2"),
+        rate=table.number("rate_gain_Nm_s", above=0.0, example="0.108"),
+        turn_back=table.number("turn_back_s", 20.0, at_least=0.0),
+        hold=table.number("hold_s", 0.0, at_least=0.0),
+    )

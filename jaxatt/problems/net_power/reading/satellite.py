@@ -1,0 +1,132 @@
+"""Read the satellite of a scenario of net power, and what surrounds it."""
+
+from __future__ import annotations
+
+import datetime as dt
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+
+from jaxatt.environment import igrf
+from jaxatt.environment.along_orbit import OrbitTask
+from jaxatt.environment.eddy_currents import EddyCurrents
+from jaxatt.environment.epoch import J2000, SECONDS_PER_DAY, decimal_year
+from jaxatt.environment.external import ExternalTorques
+from jaxatt.environment.residual_dipole import ResidualDipole
+from jaxatt.problems.net_power.manoeuvre import MomentumManagement, Satellite
+from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.light import read_light
+from jaxatt.problems.reading.settings import read_orbit
+from jaxatt.problems.scenario import Orbit
+from jaxatt.problems.surroundings import elements_of
+from jaxatt.spacecraft import Spacecraft
+
+MAGNETORQUING = ("none", "manage-momentum", "decided")
+"""Values of `magnetorquing.mode`: switched off, by the law (5.14), or by the optimiser."""
+
+
+def read_satellite(
+    document: dict[str, Any], origin: str, craft: Spacecraft, wheel_power: str, horizon: float
+) -> tuple[Satellite, Orbit | None]:
+    """Read orbit, light, disturbances and the use of the magnetorquers.
+
+    horizon : [s], within which the field model and the sun must hold.
+    Raises `ScenarioError`.
+    """
+    if craft.panels is None:
+        raise ScenarioError(
+            f"{origin}: [vehicle.panels]: missing, and without panels no power can be earned; add "
+            "it with normals, area_m2 and efficiency"
+        )
+    if craft.thrusters.count:
+        raise ScenarioError(
+            f"{origin}: [vehicle.thrusters]: their propellant is not counted in watts; drop them, "
+            "or use an objective for thrusters"
+        )
+    orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
+    light = read_light(document.get("light", {}), origin, orbit)
+    torques, gradient = _disturbances(document.get("disturbances", {}), origin, orbit)
+    momentum, decided = _magnetorquing(document.get("magnetorquing", {}), origin, craft, orbit)
+    magnetic = torques.magnetic or momentum is not None or decided or not craft.wheels.count
+    task = None if orbit is None else _orbit_task(origin, orbit, magnetic, horizon)
+    return Satellite(
+        craft=craft,
+        light=light,
+        orbit=task,
+        torques=torques,
+        gravity_gradient=gradient,
+        momentum=momentum,
+        wheel_power=wheel_power,
+        decided_dipole=decided or not craft.wheels.count,
+    ), orbit
+
+
+def _orbit_task(origin: str, orbit: Orbit, magnetic: bool, horizon: float) -> OrbitTask:
+    """Orbit with the field at its epoch, where anything magnetic acts."""
+    field = None
+    if magnetic:
+        if orbit.days is None:
+            raise ScenarioError(
+                f"{origin}: [orbit] epoch: missing, and the magnetic field depends on the date; "
+                'add epoch = "2023-03-14T09:31:11Z"'
+            )
+        last = _year(orbit.days + horizon / SECONDS_PER_DAY)
+        if not igrf.FIRST_YEAR <= last <= igrf.LAST_YEAR:
+            raise ScenarioError(
+                f"{origin}: [orbit] epoch: the year {last:.2f} is outside IGRF-14, which covers "
+                f"{igrf.FIRST_YEAR:.0f} to {igrf.LAST_YEAR:.0f}; give a date within, or leave the "
+                "magnetic torques out"
+            )
+        field = igrf.at_year(_year(orbit.days))
+    return OrbitTask(
+        elements=elements_of(orbit),
+        mu=orbit.gravitational_parameter,
+        days=0.0 if orbit.days is None else orbit.days,
+        field=field,
+    )
+
+
+def _year(days: float) -> float:
+    return decimal_year(J2000 + dt.timedelta(days=days))
+
+
+def _disturbances(
+    data: Any, origin: str, orbit: Orbit | None
+) -> tuple[ExternalTorques, bool]:
+    table = Table(data, origin, "[disturbances]", NET_POWER_TABLES["disturbances"])
+    gradient = table.flag("gravity_gradient")
+    dipole = table.vector("residual_dipole_Am2", 3, np.zeros(3))
+    eddy = table.number("eddy_coefficient", 0.0, at_least=0.0)
+    if orbit is None and (gradient or dipole.any() or eddy):
+        key = next(key for key in table.data if key in table)
+        table.fail(key, "there is no [orbit]", "add one, or drop the disturbances")
+    return ExternalTorques(
+        residual_dipole=ResidualDipole(jnp.asarray(dipole)) if dipole.any() else None,
+        eddy_currents=EddyCurrents(eddy) if eddy else None,
+    ), gradient
+
+
+def _magnetorquing(
+    data: Any, origin: str, craft: Spacecraft, orbit: Orbit | None
+) -> tuple[MomentumManagement | None, bool]:
+    """Read how the magnetorquers are used beside the wheels."""
+    table = Table(data, origin, "[magnetorquing]", NET_POWER_TABLES["magnetorquing"])
+    default = "decided" if not craft.wheels.count else "none"
+    mode = table.choice("mode", MAGNETORQUING, default)
+    if not craft.wheels.count and mode != "decided":
+        table.fail("mode", "the vehicle has no wheels", 'use "decided" or leave it out')
+    if mode == "none":
+        return None, False
+    if craft.magnetorquers is None:
+        table.fail("mode", "the vehicle has no magnetorquers", "add [vehicle.magnetorquers]")
+    if orbit is None:
+        table.fail("mode", "there is no [orbit], so no magnetic field", "add [orbit] with an epoch")
+    if mode == "decided":
+        return None, True
+    count = craft.wheels.count
+    return MomentumManagement(
+        gain=table.number("gain", above=0.0, example="5.0"),
+        wheel_speed=table.vector("wheel_speed_rad_s", count, np.zeros(count)),
+    ), False

@@ -1,0 +1,206 @@
+"""Read the scenario of a manoeuvre, or of a plan of tasks, that is to earn energy."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxatt.problems.manoeuvre import InitialState, Target
+from jaxatt.problems.net_power.options import NetPowerOptions
+from jaxatt.problems.net_power.plan.reading import read_tasks
+from jaxatt.problems.net_power.reading.objective import read_baseline, read_objective
+from jaxatt.problems.net_power.reading.satellite import read_satellite
+from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
+from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.free_time import read_final_time
+from jaxatt.problems.reading.heading import read_heading
+from jaxatt.problems.reading.vehicles import read_vehicle
+from jaxatt.problems.scenario import Horizon, Scenario
+from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft import Spacecraft
+
+_FRAMES = ("inertial", "orbit")
+
+
+def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+    """Read and check the scenario; see `Family.read`."""
+    heading = read_heading(document, origin, NET_POWER_TABLES, ("vehicle", "initial"))
+    notes: list[str] = []
+    plan = "tasks" in document
+    if plan and "target" in document:
+        raise ScenarioError(
+            f"{origin}: [target] and [[tasks]] are both given; keep [target] for one manoeuvre or "
+            "[[tasks]] for a plan"
+        )
+    horizon = _plan_horizon(document, origin) if plan else _horizon(document, origin)
+    craft = read_vehicle(document["vehicle"], origin, folder, notes)
+    objective, wheel_power, cost, weights = read_objective(
+        document.get("objective", {}), origin, craft, horizon.free
+    )
+    longest = horizon.longest if horizon.free else horizon.duration
+    satellite, orbit = read_satellite(document, origin, craft, wheel_power, longest)
+    if horizon.free and craft.wheels.count:
+        raise ScenarioError(
+            f'{origin}: [horizon] final_time = "free": only for satellites with magnetorquers '
+            'alone; give horizon_s and final_time = "fixed"'
+        )
+    if not horizon.free and not craft.wheels.count:
+        raise ScenarioError(
+            f'{origin}: [horizon] final_time: magnetorquers alone need it "free"; give shortest_s '
+            "and longest_s"
+        )
+    has_orbit = orbit is not None
+    initial, initial_frame = _initial(document["initial"], origin, craft, has_orbit, notes)
+    target, target_frame, speeds = None, "inertial", None
+    if "target" in document:
+        target, target_frame, speeds = _target(
+            document["target"], origin, craft, has_orbit, notes
+        )
+    scenario = Scenario(
+        **vars(heading),
+        family="net-power",
+        vehicle=craft,
+        orbit=orbit,
+        initial=initial,
+        targets=() if target is None else (target,),
+        horizon=horizon,
+        objective=objective,
+        notes=tuple(notes),
+        document=document,
+        origin=origin,
+        folder=folder,
+        options=NetPowerOptions(
+            satellite=satellite,
+            initial_frame=initial_frame,
+            target_frame=target_frame,
+            cost=cost,
+            weights=weights,
+            baseline=read_baseline(document.get("baseline"), origin, craft),
+            wheel_speed_at_end=speeds,
+            load=float(craft.loads.get("harvest", 0.0)),
+            floor=_floor(document.get("limits", {}), origin, craft),
+            tasks=read_tasks(document, origin, satellite, notes) if plan else (),
+        ),
+    )
+    return scenario
+
+
+def _horizon(document: dict[str, Any], origin: str) -> Horizon:
+    """Read the horizon of a single manoeuvre."""
+    if "horizon" not in document:
+        raise ScenarioError(f"{origin}: [horizon] is missing; add it with horizon_s and intervals")
+    table = Table(document["horizon"], origin, "[horizon]", NET_POWER_TABLES["horizon"])
+    free, shortest, longest = read_final_time(table)
+    for key, mend in (
+        ("coast_intervals", "drop it; nothing follows the manoeuvre"),
+        ("step_s", "it belongs to plans; give intervals"),
+    ):
+        if key in table:
+            table.fail(key, "not for a single manoeuvre of net power", mend)
+    if free and not math.isfinite(longest):
+        table.fail("longest_s", "missing", "give the longest final time, e.g. longest_s = 6000.0")
+    default = longest if free else None
+    return Horizon(
+        duration=table.number("horizon_s", default, above=0.0, example="40.0"),
+        intervals=table.integer("intervals"),
+        coast_intervals=0,
+        substeps=table.integer("substeps") if "substeps" in table else None,
+        free=free,
+        shortest=shortest,
+        longest=longest,
+    )
+
+
+def _plan_horizon(document: dict[str, Any], origin: str) -> Horizon:
+    """Read the horizon of a plan: its whole length and the common step of its tasks."""
+    table = Table(document.get("horizon", {}), origin, "[horizon]", NET_POWER_TABLES["horizon"])
+    for key in ("final_time", "shortest_s", "longest_s", "coast_intervals", "intervals"):
+        if key in table:
+            table.fail(key, "a plan's tasks have their own lengths", "drop it; give step_s")
+    step = table.number("step_s", above=0.0, example="2.0")
+    duration = table.number("horizon_s", above=0.0, example="5580.0")
+    return Horizon(
+        duration=duration,
+        intervals=max(1, round(duration / step)),
+        coast_intervals=0,
+        substeps=table.integer("substeps") if "substeps" in table else None,
+    )
+
+
+def _frame(table: Table, has_orbit: bool) -> str:
+    frame = table.choice("frame", _FRAMES, "inertial")
+    if frame == "orbit" and not has_orbit:
+        table.fail("frame", "there is no [orbit]", 'add one, or use "inertial"')
+    return frame
+
+
+def _initial(
+    data: Any, origin: str, craft: Spacecraft, has_orbit: bool, notes: list[str]
+) -> tuple[InitialState, str]:
+    table = Table(data, origin, "[initial]", NET_POWER_TABLES["initial"])
+    count = craft.wheels.count
+    speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
+    _check_speeds(table, speeds, craft)
+    state = InitialState(
+        read_attitude(table, notes), table.vector("rate_rad_s", 3, np.zeros(3)), speeds
+    )
+    return state, _frame(table, has_orbit)
+
+
+def _target(
+    data: Any, origin: str, craft: Spacecraft, has_orbit: bool, notes: list[str]
+) -> tuple[Target | None, str, Floats | None]:
+    """Read the target; an empty one leaves attitude and rate at the end free."""
+    table = Table(data, origin, "[target]", NET_POWER_TABLES["target"])
+    speeds = None
+    if "wheel_speed_rad_s" in table:
+        speeds = table.vector("wheel_speed_rad_s", craft.wheels.count)
+        _check_speeds(table, speeds, craft)
+    frame = _frame(table, has_orbit)
+    if not attitude_given(table):
+        if "rate_rad_s" in table:
+            table.fail("rate_rad_s", "without an attitude", "give the attitude, too")
+        return None, frame, speeds
+    tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
+    return (
+        Target(
+            q_ob=read_attitude(table, notes),
+            omega_ob=table.vector("rate_rad_s", 3, np.zeros(3)),
+            attitude_tolerance=math.radians(tolerance),
+            rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
+        ),
+        frame,
+        speeds,
+    )
+
+
+def _check_speeds(table: Table, speeds: Floats, craft: Spacecraft) -> None:
+    limits = np.asarray(craft.wheels.speed_limit)
+    if (np.abs(speeds) > limits).any():
+        table.fail(
+            "wheel_speed_rad_s",
+            f"exceeds the speed limit {limits.tolist()} rad/s",
+            "choose slower wheels or raise [vehicle.wheels] speed_limit_rad_s",
+        )
+
+
+def _floor(data: Any, origin: str, craft: Spacecraft) -> float:
+    """Read the least charge of the battery [J]; -inf without."""
+    table = Table(data, origin, "[limits]", NET_POWER_TABLES["limits"])
+    if "least_charge_percent" not in table:
+        return -math.inf
+    if craft.battery is None:
+        table.fail("least_charge_percent", "the vehicle has no battery", "add [vehicle.battery]")
+    percent = table.number("least_charge_percent", at_least=0.0, at_most=100.0)
+    floor = 0.01 * percent * float(craft.battery.capacity)
+    if floor > float(craft.battery.charge):
+        table.fail(
+            "least_charge_percent",
+            "the battery starts below it",
+            "start with more charge, or lower the floor",
+        )
+    return floor
