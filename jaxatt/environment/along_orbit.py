@@ -10,9 +10,12 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.attitude.components import Quaternion, Vector
+from jaxatt.attitude.components import Quaternion, Scalar, Vector
+from jaxatt.attitude.vectors import matvec
 from jaxatt.environment import epoch, frames, igrf, kepler, orbit, sun
 from jaxatt.environment.external import Along, ExternalTorques
+from jaxatt.environment.light import Light, sunlight
+from jaxatt.environment.precession import earth_fixed
 from jaxatt.environment.sinusoidal import sinusoidal_torque
 
 _STAGES = np.array([0, 1, 1, 2])  # in half steps
@@ -24,7 +27,8 @@ _BLOCK = 8192  # instants of one evaluation
 class OrbitTask:
     """Orbit, epoch and disturbances from which the environment is tabulated.
 
-    elements : at time zero.  mu : [m^3/s^2].  days : epoch of time zero, days since J2000.
+    elements : at time zero, in inertial axes (J2000).  mu : [m^3/s^2].
+    days : epoch of time zero, days since J2000.
     field : coefficients at the epoch, None where no magnetism acts.
     sun : (3,), fixed unit vector to an always shining sun, as Kristiansen (2023) has it; None for
     the true one with eclipses.  sine : () [N m] and frequency : () [rad/s] of the known sine.
@@ -57,28 +61,40 @@ def inertial_nodes(count: int) -> Nodes:
 
 
 def evaluate(
-    task: OrbitTask, torques: ExternalTorques, tidal: bool, times: Array
+    task: OrbitTask,
+    torques: ExternalTorques,
+    tidal: bool,
+    times: Array,
+    light: Light | None = None,
+    width: Scalar = 0.0,
 ) -> tuple[Along, Nodes]:
-    """Evaluate environment and reference frame at the given times (n,) [s] after the epoch."""
+    """Evaluate environment and reference frame at the given times (n,) [s] after the epoch.
+
+    light : gives sun and light, for panels and for solar pressure.  width : [rad], of the edges of
+    its shadow, as in `lit_share`; 0 is exact.
+    """
     start = kepler.to_state(task.elements, task.mu)
     r_i, v_i = orbit.propagate(*start, times, task.mu)
     radius = jnp.linalg.norm(r_i, axis=-1)
     days = task.days + times / epoch.SECONDS_PER_DAY
     field = None if task.field is None else Vector.of(_field(task.field, r_i, days))
-    to_sun, light = None, None
-    if torques.solar_pressure is not None and task.sun is not None:
+    to_sun, share = None, None
+    if light is not None:
+        direction, share = sunlight(light, r_i, days, width)
+        to_sun = Vector.of(direction)
+    elif torques.solar_pressure is not None and task.sun is not None:
         to_sun = Vector.of(jnp.broadcast_to(task.sun, r_i.shape))
-        light = jnp.ones_like(times)
+        share = jnp.ones_like(times)
     elif torques.solar_pressure is not None:
         direction = sun.sun_direction(days)
-        to_sun, light = Vector.of(direction), sun.visible_fraction(r_i, direction)
+        to_sun, share = Vector.of(direction), sun.visible_fraction(r_i, direction)
     drag = torques.drag
     along = Along(
         down=Vector.of(-r_i / radius[:, None]) if tidal else None,
         gradient=3.0 * task.mu / radius**3 if tidal else None,
         air_speed=None if drag is None else drag.air_speed(Vector.of(r_i), Vector.of(v_i)),
         sun=to_sun,
-        light=light,
+        light=share,
         field=field,
         disturbance=Vector.of(sinusoidal_torque(times, task.sine, task.frequency)),
     )
@@ -92,25 +108,31 @@ def evaluate(
 
 def _field(model: igrf.MagneticModel, r_i: Array, days: Array) -> Array:
     """Magnetic field (n, 3) [T] in inertial axes."""
-    angle = epoch.rotation_angle(days)
-    cos, sin, zero = jnp.cos(angle), jnp.sin(angle), jnp.zeros_like(angle)
-    x, y, z = r_i.T
-    fixed = jnp.stack([cos * x + sin * y, cos * y - sin * x, z], axis=-1)
-    bx, by, bz = igrf.field(model, fixed).T
-    return jnp.stack([cos * bx - sin * by, sin * bx + cos * by, bz + zero], axis=-1)
+    turn = earth_fixed(days)
+    return matvec(jnp.swapaxes(turn, -1, -2), igrf.field(model, matvec(turn, r_i)))
 
 
 _evaluated = jax.jit(evaluate, static_argnames="tidal")
 
 
 def tabulate(
-    task: OrbitTask, torques: ExternalTorques, tidal: bool, step: float, steps: int
+    task: OrbitTask,
+    torques: ExternalTorques,
+    tidal: bool,
+    step: float,
+    steps: int,
+    start: float = 0.0,
+    light: Light | None = None,
+    width: float = 0.0,
 ) -> tuple[Along, Nodes]:
-    """Tabulate Along (steps, 4) at the Runge-Kutta stages, and Nodes (steps + 1,)."""
-    times = 0.5 * step * np.arange(2 * steps + 1)
+    """Tabulate Along (steps, 4) at the Runge-Kutta stages, and Nodes (steps + 1,).
+
+    step : [s].  start : [s] after the epoch.  light, width : as in `evaluate`.
+    """
+    times = start + 0.5 * step * np.arange(2 * steps + 1)
     padded = np.pad(times, (0, -len(times) % min(_BLOCK, len(times))), mode="edge")
     blocks = [
-        jax.tree.map(np.asarray, _evaluated(task, torques, tidal, block))
+        jax.tree.map(np.asarray, _evaluated(task, torques, tidal, block, light, width))
         for block in padded.reshape(-1, min(_BLOCK, len(times)))
     ]
     along, nodes = jax.tree.map(lambda *rows: np.concatenate(rows)[: len(times)], *blocks)

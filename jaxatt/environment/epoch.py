@@ -36,10 +36,10 @@ def decimal_year(moment: dt.datetime) -> float:
 
 
 def rotation_angle(days: jax.Array) -> jax.Array:
-    """Angle [rad] from the inertial to the Earth-fixed axes; `days` since J2000, any shape.
+    """Earth rotation angle [rad]; `days` since J2000, any shape.
 
-    The Earth rotation angle of the IERS conventions (2010), eq. (5.15): no precession, nutation or
-    polar motion, whose part is below 0.4 deg for dates within decades of 2000.
+    The IERS conventions (2010), eq. (5.15).  It counts from an origin that does not follow the
+    equinox; `precession.earth_fixed` has the axes.
     """
     whole = jnp.floor(days)
     turns = 0.7790572732640 + 0.00273781191135448 * days + (days - whole)

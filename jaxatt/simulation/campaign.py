@@ -98,7 +98,7 @@ def _other_axes(key: Array, wheels: ReactionWheels, size: Array) -> ReactionWhee
     turn = size * jax.random.normal(key, axes.shape)
     turned = axes + jnp.cross(turn, axes, axisa=0, axisb=0, axisc=0)
     turned = turned / jnp.linalg.norm(turned, axis=0, keepdims=True)
-    return ReactionWheels(turned, wheels.inertia, wheels.torque_limit, wheels.speed_limit)
+    return replace(wheels, axes=turned)
 
 
 _runs = jax.jit(jax.vmap(_run, in_axes=(None, None, None, None, 0)))

@@ -9,7 +9,9 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import errors, quaternion
+from jaxatt.attitude.vectors import matvec
 from jaxatt.environment import ellipsoid, epoch, frames, kepler, orbit
+from jaxatt.environment.precession import earth_fixed
 
 
 def rmsd(values: ArrayLike, reference: ArrayLike) -> jax.Array:
@@ -48,9 +50,8 @@ def footprints(
     r_i, v_i = orbit.propagate(*kepler.to_state(elements, mu), times, mu)
     q_ib = quaternion.multiply(frames.quaternion_io(r_i, v_i), q_ob)
     looking = quaternion.rotate(q_ib, jnp.broadcast_to(jnp.asarray(boresight), r_i.shape))
-    angle = epoch.rotation_angle(jnp.asarray(days) + times / epoch.SECONDS_PER_DAY)
-    turn = quaternion.from_axis_angle(jnp.array([0.0, 0.0, 1.0]), -angle)
-    return ellipsoid.ground_point(quaternion.rotate(turn, r_i), quaternion.rotate(turn, looking))
+    turn = earth_fixed(jnp.asarray(days) + times / epoch.SECONDS_PER_DAY)
+    return ellipsoid.ground_point(matvec(turn, r_i), matvec(turn, looking))
 
 
 def sampling_distance(points: ArrayLike) -> jax.Array:

@@ -12,6 +12,8 @@ import numpy as np
 from jaxatt.attitude.components import Vector
 from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
 
+Array = jax.Array | Float64
+
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
@@ -20,9 +22,25 @@ class Magnetorquers:
     numbers.
 
     dipole_limit : (3,) [A m^2], largest absolute dipole about each axis.
+    full_power : () [W], drawn by all three at their limits, in proportion to each dipole; or
+    turns : (3,), coil_area : (3,) [m^2] and resistance : (3,) [ohm] of the coils, whose loss goes
+    with the square of the dipole.  None where not known.
     """
 
-    dipole_limit: jax.Array | Float64
+    dipole_limit: Array
+    full_power: Array | float | None = None
+    turns: Array | None = None
+    coil_area: Array | None = None
+    resistance: Array | None = None
+
+    @property
+    def loss_coefficient(self) -> Array:
+        """Loss R / (n A)^2 of the coils for a dipole of one, (3,) [W/(A m^2)^2]; zero where their
+        resistance is not known."""
+        if self.turns is None or self.coil_area is None or self.resistance is None:
+            return np.zeros(3)
+        coefficient: Array = self.resistance / (self.turns * self.coil_area) ** 2
+        return coefficient
 
     def limited(self, dipole: Vector) -> Vector:
         """Dipole [A m^2] after clipping to what the magnetorquers can give."""
@@ -30,20 +48,51 @@ class Magnetorquers:
         return dipole.map(lambda m, most: jnp.clip(m, -most, most), limit)
 
 
-def magnetorquers(dipole_limit: Any) -> Magnetorquers:
+def magnetorquers(
+    dipole_limit: Any,
+    full_power: Any = None,
+    turns: Any = None,
+    coil_area: Any = None,
+    resistance: Any = None,
+) -> Magnetorquers:
     """Return checked magnetorquers.
 
-    dipole_limit : float or (3,) [A m^2], greater than 0.
-    Raises `FieldError`, a `ValueError`.
+    dipole_limit : float or (3,) [A m^2].  full_power : float [W], of all three at their limits; or
+    turns, coil_area [m^2] and resistance [ohm], float or (3,), all three of them.
+    All greater than 0.  Raises `FieldError`, a `ValueError`.
     """
-    limit = finite_array("dipole_limit", dipole_limit)
-    if limit.shape not in ((), (3,)):
+    limit = _per_axis("dipole_limit", dipole_limit)
+    coil = {"turns": turns, "coil_area": coil_area, "resistance": resistance}
+    given = {field: value for field, value in coil.items() if value is not None}
+    if given and full_power is not None:
         raise FieldError(
-            "dipole_limit",
-            f"has shape {limit.shape}; give one number for all or three numbers, one a body axis",
+            "full_power",
+            "is given beside properties of the coils; keep one of the two models of the power",
         )
-    if not (limit > 0.0).all():
+    if given and len(given) < len(coil):
+        missing = next(field for field in coil if field not in given)
         raise FieldError(
-            "dipole_limit", f"holds {limit.min():g}; every value must be greater than 0"
+            missing,
+            "is missing; the loss of a coil needs its turns, its area and its resistance, so give "
+            "all three or none",
         )
-    return Magnetorquers(np.broadcast_to(limit, (3,)).copy())
+    if full_power is not None:
+        power = finite_array("full_power", full_power)
+        if power.ndim or not power > 0.0:
+            raise FieldError(
+                "full_power", f"is {full_power!r}; give one number greater than 0, in watts"
+            )
+        return Magnetorquers(limit, float(power))
+    return Magnetorquers(limit, None, **{k: _per_axis(k, v) for k, v in given.items()})
+
+
+def _per_axis(field: str, value: Any) -> Float64:
+    array = finite_array(field, value)
+    if array.shape not in ((), (3,)):
+        raise FieldError(
+            field,
+            f"has shape {array.shape}; give one number for all or three numbers, one a body axis",
+        )
+    if not (array > 0.0).all():
+        raise FieldError(field, f"holds {array.min():g}; every value must be greater than 0")
+    return np.broadcast_to(array, (3,)).copy()

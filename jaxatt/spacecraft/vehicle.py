@@ -1,7 +1,8 @@
-"""A rigid body with reaction wheels, thrusters or both."""
+"""A rigid body with actuators, solar panels and a battery."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,8 +10,10 @@ import jax
 import numpy as np
 
 from jaxatt.attitude.vectors import matvec
+from jaxatt.spacecraft.battery import Battery
 from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
 from jaxatt.spacecraft.magnetorquers import Magnetorquers
+from jaxatt.spacecraft.panels import SolarPanels
 from jaxatt.spacecraft.thrusters import Thrusters, missing_senses, no_thrusters
 from jaxatt.spacecraft.wheels import Array, ReactionWheels, momentum, no_wheels
 
@@ -33,6 +36,10 @@ class Spacecraft:
     thrusters : Thrusters
     magnetorquers : Magnetorquers or None
         None where the vehicle has none.
+    panels : SolarPanels or None
+    battery : Battery or None
+    loads : dict of str to float [W]
+        Power of everything but the actuators, by mode of operation.
     """
 
     inertia: Array
@@ -40,6 +47,9 @@ class Spacecraft:
     name: str = field(default="spacecraft", metadata={"static": True})
     thrusters: Thrusters = field(default_factory=no_thrusters)
     magnetorquers: Magnetorquers | None = None
+    panels: SolarPanels | None = None
+    battery: Battery | None = None
+    loads: Mapping[str, Array | float] = field(default_factory=dict)
 
     @property
     def actuators(self) -> int:
@@ -80,6 +90,9 @@ def create(
     name: str = "spacecraft",
     thrusters: Thrusters | None = None,
     magnetorquers: Magnetorquers | None = None,
+    panels: SolarPanels | None = None,
+    battery: Battery | None = None,
+    loads: Mapping[str, float] | None = None,
 ) -> Spacecraft:
     """Return a checked spacecraft.
 
@@ -94,6 +107,11 @@ def create(
         As built by `thrusters`.
     magnetorquers : Magnetorquers, optional
         As built by `magnetorquers`.
+    panels : SolarPanels, optional
+        As built by `solar_panels`.
+    battery : Battery, optional
+        As built by `battery`.
+    loads : dict of str to float [W], optional
 
     Raises
     ------
@@ -101,8 +119,11 @@ def create(
         A `ValueError` that names the field, the value and what is allowed.
     """
     total = _inertia(inertia)
-    if wheels is None and thrusters is None:
-        raise FieldError("wheels", "missing, and there are no thrusters; mount one or the other")
+    if wheels is None and thrusters is None and magnetorquers is None:
+        raise FieldError(
+            "wheels",
+            "missing, and there are no thrusters and no magnetorquers; mount one of the three",
+        )
     if wheels is None and thrusters is not None:
         missing = missing_senses(np.asarray(thrusters.distribution))
         if missing:
@@ -113,7 +134,14 @@ def create(
                 "about in both senses, or mount wheels",
             )
     craft = Spacecraft(
-        total, wheels or no_wheels(), name, thrusters or no_thrusters(), magnetorquers
+        total,
+        wheels or no_wheels(),
+        name,
+        thrusters or no_thrusters(),
+        magnetorquers,
+        panels,
+        battery,
+        _loads(loads or {}),
     )
     smallest = float(np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin))[0])
     if smallest <= 0.0:
@@ -124,6 +152,16 @@ def create(
             "give the total inertia with wheels, or check the units of the wheel inertia",
         )
     return craft
+
+
+def _loads(loads: Mapping[str, Any]) -> dict[str, float]:
+    checked = {}
+    for mode, power in loads.items():
+        value = finite_array(mode, power)
+        if value.ndim or not value >= 0.0:
+            raise FieldError(mode, f"is {power!r}; give one number of at least 0, in watts")
+        checked[mode] = float(value)
+    return checked
 
 
 def _inertia(value: Any) -> Float64:

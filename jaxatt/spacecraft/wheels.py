@@ -36,12 +36,18 @@ class ReactionWheels:
         Largest absolute torque of each wheel.
     speed_limit : (n,) array [rad/s]
         Largest absolute speed of each wheel relative to the body; ``inf`` means no limit.
+    efficiency : () array
+        Mechanical power of a drive as a share of the electrical power that it draws.
+    regeneration : () array
+        Share of the braking power that the drives recover, between 0 and 1.
     """
 
     axes: Array
     inertia: Array
     torque_limit: Array
     speed_limit: Array
+    efficiency: Array | float = 1.0
+    regeneration: Array | float = 0.0
 
     @property
     def count(self) -> int:
@@ -62,6 +68,14 @@ class ReactionWheels:
         gram = axes @ axes.swapaxes(-1, -2)
         allocation: Array = library.linalg.solve(gram, axes).swapaxes(-1, -2)
         return allocation
+
+    @property
+    def braking_cost(self) -> Array | float:
+        """Electrical power of a drive for each watt that it brakes with, ().
+
+        What is not recovered costs 1 / eta, as much as driving does; what is recovered returns eta.
+        """
+        return (1.0 - self.regeneration) / self.efficiency - self.regeneration * self.efficiency
 
     @property
     def spin_inertia_body(self) -> Array:
@@ -126,6 +140,8 @@ def reaction_wheels(
     inertia: Any,
     torque_limit: Any,
     speed_limit: Any = np.inf,
+    efficiency: Any = 1.0,
+    regeneration: Any = 0.0,
     *,
     notes: list[str] | None = None,
 ) -> ReactionWheels:
@@ -139,6 +155,10 @@ def reaction_wheels(
     torque_limit : float or (n,) array_like [N m]
     speed_limit : float or (n,) array_like [rad/s]
         ``inf``, the default, means no limit.
+    efficiency : float
+        Of the drives, greater than 0 and at most 1.
+    regeneration : float
+        Share of the braking power that the drives recover, from 0 to 1.
     notes : list of str, optional
         Receives a line for every axis whose length was not 1.
 
@@ -154,7 +174,17 @@ def reaction_wheels(
         inertia=positive_per_item("inertia", inertia, count),
         torque_limit=positive_per_item("torque_limit", torque_limit, count),
         speed_limit=positive_per_item("speed_limit", speed_limit, count, infinite=True),
+        efficiency=_share("efficiency", efficiency),
+        regeneration=_share("regeneration", regeneration, zero=True),
     )
+
+
+def _share(field: str, value: Any, *, zero: bool = False) -> Float64:
+    share = finite_array(field, value)
+    if share.ndim or not (0.0 < share <= 1.0 or (zero and share == 0.0)):
+        least = "from 0" if zero else "greater than 0"
+        raise FieldError(field, f"is {value!r}; give one number {least} and at most 1")
+    return share
 
 
 def _unit_axes(axes: Any, notes: list[str]) -> Float64:

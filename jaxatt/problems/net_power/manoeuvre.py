@@ -1,4 +1,4 @@
-"""A manoeuvre between two attitudes, and the satellite and surroundings in which it earns energy."""
+"""A manoeuvre between two attitudes, and the satellite and surroundings that it earns energy in."""
 
 from __future__ import annotations
 

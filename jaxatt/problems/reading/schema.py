@@ -37,22 +37,62 @@ _CONE = (
 _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
 
-WHEEL_KEYS = ("axes", "inertia_kgm2", "torque_limit_Nm", "speed_limit_rad_s")
-MAGNETORQUER_KEYS = ("dipole_limit_Am2",)
+WHEEL_KEYS = (
+    "axes",
+    "inertia_kgm2",
+    "torque_limit_Nm",
+    "speed_limit_rad_s",
+    "efficiency",
+    "regeneration",
+)
+MAGNETORQUER_KEYS = (
+    "dipole_limit_Am2",
+    "full_power_W",
+    "turns",
+    "coil_area_m2",
+    "resistance_ohm",
+)
 THRUSTER_KEYS = (
     "torque_directions",
     "torque_limit_Nm",
     "minimum_on_time_s",
     "minimum_impulse_Nms",
 )
+PANEL_KEYS = ("normals", "area_m2", "efficiency", "shades", "incidence")
+BATTERY_KEYS = (
+    "capacity_Wh",
+    "capacity_J",
+    "charge_percent",
+    "charge_Wh",
+    "charge_J",
+    "input_efficiency",
+    "output_efficiency",
+)
+LOAD_KEYS = ("harvest_W", "image_W", "communicate_W", "idle_W")
+VEHICLE_PARTS: Mapping[str, tuple[str, ...]] = {
+    "wheels": WHEEL_KEYS,
+    "thrusters": THRUSTER_KEYS,
+    "magnetorquers": MAGNETORQUER_KEYS,
+    "panels": PANEL_KEYS,
+    "battery": BATTERY_KEYS,
+    "loads": LOAD_KEYS,
+}
+"""Tables inside [vehicle]."""
+LIGHT_KEYS = (
+    "irradiance_W_m2",
+    "sun_inertial",
+    "sun_distance_m",
+    "shadow",
+    "penumbra",
+    "earth_radius_m",
+    "sun_radius_m",
+)
 VEHICLE_FILE_KEYS = (
     "name",
     "title",
     "source",
     "inertia_kgm2",
-    "wheels",
-    "thrusters",
-    "magnetorquers",
+    *VEHICLE_PARTS,
 )
 
 SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
@@ -117,15 +157,23 @@ UNITS = {
     "_m3_s2": "m^3/s^2",
     "_rad_s": "rad/s",
     "_kgm2": "kg m^2",
+    "_W_m2": "W/m^2",
     "_deg_s": "degrees a second",
     "_deg": "degrees",
     "_rad": "radians",
     "_km": "kilometres",
     "_Am2": "A m^2",
+    "_m2": "m^2",
+    "_percent": "percent",
+    "_ohm": "ohms",
+    "_Wh": "watt hours",
     "_Nms": "newton metre seconds",
     "_Nm": "newton metres",
     "_s2": "s^2",
     "_1_s": "1/s",
+    "_W": "watts",
+    "_J": "joules",
+    "_m": "metres",
     "_s": "seconds",
 }
 
@@ -168,8 +216,7 @@ def unknown_key_mend(table: str, key: str, allowed: tuple[str, ...]) -> str:
     """Return the sentence that helps with an unknown key: a close name, or all allowed ones."""
     # A key that exists in another table was misplaced rather than misspelt.
     elsewhere = {
-        "vehicle.wheels": WHEEL_KEYS,
-        "vehicle.thrusters": THRUSTER_KEYS,
+        **{f"vehicle.{part}": keys for part, keys in VEHICLE_PARTS.items()},
         **SPACECRAFT_TABLES,
     }
     for other, keys in elsewhere.items():

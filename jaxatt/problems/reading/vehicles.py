@@ -7,46 +7,22 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import (
-    MAGNETORQUER_KEYS,
     SPACECRAFT_TABLES,
-    THRUSTER_KEYS,
     VEHICLE_FILE_KEYS,
-    WHEEL_KEYS,
+    VEHICLE_PARTS,
     nearest,
 )
-from jaxatt.spacecraft import (
-    FieldError,
-    Magnetorquers,
-    ReactionWheels,
-    Spacecraft,
-    Thrusters,
-    create,
-    magnetorquers,
-    reaction_wheels,
-    thrusters,
+from jaxatt.problems.reading.vehicle_actuators import (
+    read_magnetorquers,
+    read_thrusters,
+    read_wheels,
 )
-from jaxatt.spacecraft.checks import Float64
-
-_TOML_NAMES = {
-    "axes": "axes",
-    "inertia": "inertia_kgm2",
-    "torque_limit": "torque_limit_Nm",
-    "speed_limit": "speed_limit_rad_s",
-    "dipole_limit": "dipole_limit_Am2",
-    "torque_directions": "torque_directions",
-    "minimum_on_time": "minimum_on_time_s",
-    "minimum_impulse": "minimum_impulse_Nms",
-}
-_ACTUATOR_KEYS = {
-    "wheels": WHEEL_KEYS,
-    "thrusters": THRUSTER_KEYS,
-    "magnetorquers": MAGNETORQUER_KEYS,
-}
+from jaxatt.problems.reading.vehicle_part import TOML_NAMES, part, split
+from jaxatt.problems.reading.vehicle_power import read_battery, read_loads, read_panels
+from jaxatt.spacecraft import FieldError, Spacecraft, create
 
 
 def _folder() -> Traversable:
@@ -61,10 +37,17 @@ def vehicle_names() -> tuple[str, ...]:
 
 def load_vehicle(name: str) -> Spacecraft:
     """Return a bundled vehicle, e.g. ``load_vehicle("hypso1")``."""
-    return read_vehicle({"use": name}, "load_vehicle", None, [])
+    return read_vehicle({"use": name}, "load_vehicle", None, [], magnetorquers_alone=True)
 
 
-def read_vehicle(data: Any, origin: str, folder: Path | None, notes: list[str]) -> Spacecraft:
+def read_vehicle(
+    data: Any,
+    origin: str,
+    folder: Path | None,
+    notes: list[str],
+    *,
+    magnetorquers_alone: bool = False,
+) -> Spacecraft:
     """Read and check the vehicle of a [vehicle] table.
 
     Parameters
@@ -77,9 +60,11 @@ def read_vehicle(data: Any, origin: str, folder: Path | None, notes: list[str]) 
         Where ``file`` is looked up; None stands for the working folder.
     notes : list of str
         Receives remarks, e.g. an axis that was scaled to unit length.
+    magnetorquers_alone : bool
+        Whether a vehicle may have neither wheels nor thrusters.
     """
     table = Table(data, origin, "[vehicle]", SPACECRAFT_TABLES["vehicle"])
-    for name, keys in _ACTUATOR_KEYS.items():
+    for name, keys in VEHICLE_PARTS.items():
         if name in table:
             Table(table.data[name], origin, f"[vehicle.{name}]", keys)
     if "use" in table and "file" in table:
@@ -97,10 +82,11 @@ def read_vehicle(data: Any, origin: str, folder: Path | None, notes: list[str]) 
         )
     overrides = {key: value for key, value in table.data.items() if key not in ("use", "file")}
     merged = {**base, **overrides}
-    for name in _ACTUATOR_KEYS:
+    for name in VEHICLE_PARTS:
         if name in base and name in overrides:
             merged[name] = {**base[name], **overrides[name]}
-    return _build(Table(merged, origin, "[vehicle]", VEHICLE_FILE_KEYS), notes)
+    whole = Table(merged, origin, "[vehicle]", VEHICLE_FILE_KEYS)
+    return _build(whole, notes, magnetorquers_alone)
 
 
 def _bundled(table: Table) -> dict[str, Any]:
@@ -119,85 +105,37 @@ def _from_file(table: Table, folder: Path | None) -> dict[str, Any]:
     path = (folder or Path()) / table.text("file")
     base = read_file(path)
     data = Table(base, str(path), "", VEHICLE_FILE_KEYS).data
-    for name, keys in _ACTUATOR_KEYS.items():
+    for name, keys in VEHICLE_PARTS.items():
         Table(data.get(name, {}), str(path), f"[{name}]", keys)
     return base
 
 
-def _build(table: Table, notes: list[str]) -> Spacecraft:
+def _build(table: Table, notes: list[str], magnetorquers_alone: bool) -> Spacecraft:
     table.require("inertia_kgm2", "[[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]")
-    if "thrusters" not in table:
-        table.require("wheels", "{ axes = [...], ... }")
-    wheels = _wheels(table, notes) if "wheels" in table else None
-    pushing = _thrusters(table) if "thrusters" in table else None
+    if "wheels" not in table and "thrusters" not in table:
+        if "magnetorquers" in table and not magnetorquers_alone:
+            table.fail(
+                "wheels",
+                "missing, and magnetorquers alone do not fly such manoeuvres",
+                "add [vehicle.wheels] or [vehicle.thrusters]",
+            )
+        if "magnetorquers" not in table:
+            table.require("wheels", "{ axes = [...], ... }")
     name = table.text("name", "spacecraft")
     table.text("title", " ")
     table.text("source", " ")
     try:
-        return create(table.data["inertia_kgm2"], wheels, name, pushing, _magnetorquers(table))
+        return create(
+            table.data["inertia_kgm2"],
+            read_wheels(table, notes),
+            name,
+            read_thrusters(table),
+            read_magnetorquers(table),
+            read_panels(table),
+            read_battery(table),
+            read_loads(table),
+        )
     except FieldError as error:
         if error.field == "torque_directions":
-            _mounted(table, "thrusters").fail(error.field, *_split(error))
-        table.fail(_TOML_NAMES[error.field], *_split(error))
-
-
-def _wheels(table: Table, notes: list[str]) -> ReactionWheels:
-    wheels = _mounted(table, "wheels")
-    axes = _rows(wheels, "axes", "wheel")
-    wheels.require("inertia_kgm2", "2.1e-4")
-    wheels.require("torque_limit_Nm", "3e-3")
-    try:
-        return reaction_wheels(
-            axes,
-            wheels.data["inertia_kgm2"],
-            wheels.data["torque_limit_Nm"],
-            wheels.data.get("speed_limit_rad_s", np.inf),
-            notes=notes,
-        )
-    except FieldError as error:
-        wheels.fail(_TOML_NAMES[error.field], *_split(error))
-
-
-def _thrusters(table: Table) -> Thrusters:
-    pushing = _mounted(table, "thrusters")
-    directions = _rows(pushing, "torque_directions", "thruster")
-    pushing.require("torque_limit_Nm", "0.195")
-    try:
-        return thrusters(
-            directions,
-            pushing.data["torque_limit_Nm"],
-            pushing.data.get("minimum_on_time_s", 0.0),
-            pushing.data.get("minimum_impulse_Nms", 0.0),
-        )
-    except FieldError as error:
-        pushing.fail(_TOML_NAMES[error.field], *_split(error))
-
-
-def _mounted(table: Table, name: str) -> Table:
-    return Table(table.data[name], table.origin, f"[vehicle.{name}]", _ACTUATOR_KEYS[name])
-
-
-def _rows(table: Table, key: str, what: str) -> Float64:
-    """Read a list with one row of three numbers for each actuator, as columns (3, n)."""
-    rows = table.require(key, "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
-    if not isinstance(rows, list) or not all(isinstance(r, list) and len(r) == 3 for r in rows):
-        table.fail(key, f"is not a list of {key}", f"give one row of three numbers for each {what}")
-    for row in rows:
-        if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in row):
-            table.fail(key, "holds something that is no number", "give plain numbers")
-    return np.array(rows, dtype=np.float64).reshape(-1, 3).T
-
-
-def _magnetorquers(table: Table) -> Magnetorquers | None:
-    if "magnetorquers" not in table:
-        return None
-    inner = _mounted(table, "magnetorquers")
-    try:
-        return magnetorquers(inner.require("dipole_limit_Am2", "0.5"))
-    except FieldError as error:
-        inner.fail(_TOML_NAMES[error.field], *_split(error))
-
-
-def _split(error: FieldError) -> tuple[str, str]:
-    problem, _, mend = error.problem.partition("; ")
-    return problem, mend
+            part(table, "thrusters").fail(error.field, *split(error))
+        table.fail(TOML_NAMES[error.field], *split(error))

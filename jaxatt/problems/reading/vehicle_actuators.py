@@ -1,0 +1,77 @@
+"""Read the wheels, thrusters and magnetorquers of a vehicle."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.vehicle_part import checked, part, rows
+from jaxatt.spacecraft import (
+    Magnetorquers,
+    ReactionWheels,
+    Thrusters,
+    magnetorquers,
+    reaction_wheels,
+    thrusters,
+)
+
+
+def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
+    """Read [vehicle.wheels]; None without it.
+
+    notes : receives a line for each axis that was scaled to unit length.
+    """
+    if "wheels" not in vehicle:
+        return None
+    table = part(vehicle, "wheels")
+    axes = rows(table, "axes", "wheel")
+    inertia = table.require("inertia_kgm2", "2.1e-4")
+    limit = table.require("torque_limit_Nm", "3e-3")
+    return checked(
+        table,
+        lambda: reaction_wheels(
+            axes,
+            inertia,
+            limit,
+            table.data.get("speed_limit_rad_s", np.inf),
+            table.data.get("efficiency", 1.0),
+            table.data.get("regeneration", 0.0),
+            notes=notes,
+        ),
+    )
+
+
+def read_thrusters(vehicle: Table) -> Thrusters | None:
+    """Read [vehicle.thrusters]; None without it."""
+    if "thrusters" not in vehicle:
+        return None
+    table = part(vehicle, "thrusters")
+    directions = rows(table, "torque_directions", "thruster")
+    limit = table.require("torque_limit_Nm", "0.195")
+    return checked(
+        table,
+        lambda: thrusters(
+            directions,
+            limit,
+            table.data.get("minimum_on_time_s", 0.0),
+            table.data.get("minimum_impulse_Nms", 0.0),
+        ),
+    )
+
+
+def read_magnetorquers(vehicle: Table) -> Magnetorquers | None:
+    """Read [vehicle.magnetorquers]; None without it."""
+    if "magnetorquers" not in vehicle:
+        return None
+    table = part(vehicle, "magnetorquers")
+    limit = table.require("dipole_limit_Am2", "0.5")
+    return checked(
+        table,
+        lambda: magnetorquers(
+            limit,
+            table.data.get("full_power_W"),
+            table.data.get("turns"),
+            table.data.get("coil_area_m2"),
+            table.data.get("resistance_ohm"),
+        ),
+    )

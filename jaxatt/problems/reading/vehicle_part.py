@@ -1,0 +1,59 @@
+"""What readers of a vehicle's parts share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import VEHICLE_PARTS
+from jaxatt.spacecraft import FieldError
+from jaxatt.spacecraft.checks import Float64
+
+Part = TypeVar("Part")
+
+TOML_NAMES = {
+    "inertia": "inertia_kgm2",
+    "torque_limit": "torque_limit_Nm",
+    "speed_limit": "speed_limit_rad_s",
+    "dipole_limit": "dipole_limit_Am2",
+    "full_power": "full_power_W",
+    "coil_area": "coil_area_m2",
+    "resistance": "resistance_ohm",
+    "minimum_on_time": "minimum_on_time_s",
+    "minimum_impulse": "minimum_impulse_Nms",
+    "area": "area_m2",
+}
+"""Names in TOML of the constructors' fields, where they differ."""
+
+
+def part(table: Table, name: str) -> Table:
+    """Return the table of a part of the vehicle, e.g. [vehicle.wheels]."""
+    return Table(table.data[name], table.origin, f"[vehicle.{name}]", VEHICLE_PARTS[name])
+
+
+def checked(table: Table, build: Callable[[], Part]) -> Part:
+    """Return what `build` makes; where it refuses a field, fail with the key of the table."""
+    try:
+        return build()
+    except FieldError as error:
+        table.fail(TOML_NAMES.get(error.field, error.field), *split(error))
+
+
+def split(error: FieldError) -> tuple[str, str]:
+    """Return the problem that a constructor found, and the mend."""
+    problem, _, mend = error.problem.partition("; ")
+    return problem, mend
+
+
+def rows(table: Table, key: str, what: str) -> Float64:
+    """Read a list with one row of three numbers for each part, as columns (3, n)."""
+    given = table.require(key, "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
+    if not isinstance(given, list) or not all(isinstance(r, list) and len(r) == 3 for r in given):
+        table.fail(key, f"is not a list of {key}", f"give one row of three numbers for each {what}")
+    for row in given:
+        if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in row):
+            table.fail(key, "holds something that is no number", "give plain numbers")
+    return np.array(given, dtype=np.float64).reshape(-1, 3).T

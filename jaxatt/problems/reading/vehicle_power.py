@@ -1,0 +1,96 @@
+"""Read the solar panels, the battery and the loads of a vehicle."""
+
+from __future__ import annotations
+
+import math
+
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import LOAD_KEYS
+from jaxatt.problems.reading.vehicle_part import checked, part, rows
+from jaxatt.spacecraft import Battery, SolarPanels, battery, solar_panels
+from jaxatt.spacecraft.panels import INCIDENCE
+
+_HOUR = 3600.0
+
+
+def read_panels(vehicle: Table) -> SolarPanels | None:
+    """Read [vehicle.panels]; None without it."""
+    if "panels" not in vehicle:
+        return None
+    table = part(vehicle, "panels")
+    normals = rows(table, "normals", "panel")
+    area = table.require("area_m2", "[0.03, 0.06, 0.02]")
+    efficiency = table.require("efficiency", "0.2")
+    shades = table.integer("shades") - 1 if "shades" in table else None
+    incidence = table.choice("incidence", tuple(INCIDENCE), "cosine")
+    return checked(table, lambda: solar_panels(normals, area, efficiency, shades, incidence))
+
+
+def read_battery(vehicle: Table) -> Battery | None:
+    """Read [vehicle.battery]; None without it.
+
+    A charge that is not given is full, or nothing where the capacity is not known either.
+    """
+    if "battery" not in vehicle:
+        return None
+    table = part(vehicle, "battery")
+    _one_of(table, ("capacity_Wh", "capacity_J"))
+    _one_of(table, ("charge_percent", "charge_Wh", "charge_J"))
+    known = _energy(table, "capacity")
+    capacity = math.inf if known is None else known
+    charge = _energy(table, "charge")
+    if "charge_percent" in table:
+        if capacity == math.inf:
+            table.fail("charge_percent", "of an unknown capacity", "add capacity_Wh")
+        percent = table.number("charge_percent", at_least=0.0)
+        if percent > 100.0:
+            table.fail(
+                "charge_percent",
+                "starts above the capacity of the battery",
+                "give a number from 0 to 100",
+            )
+        charge = 0.01 * percent * capacity
+    if charge is not None and charge > capacity and "charge_percent" not in table:
+        key = "charge_Wh" if "charge_Wh" in table else "charge_J"
+        table.fail(
+            key,
+            f"starts above the capacity of the battery, {_shown(capacity, key)}",
+            "give less, or a larger capacity; check the units of both",
+        )
+    return checked(
+        table,
+        lambda: battery(
+            capacity,
+            charge,
+            table.data.get("input_efficiency", 1.0),
+            table.data.get("output_efficiency", 1.0),
+        ),
+    )
+
+
+def read_loads(vehicle: Table) -> dict[str, float]:
+    """Read [vehicle.loads]: power [W] by mode of operation; empty without it."""
+    if "loads" not in vehicle:
+        return {}
+    table = part(vehicle, "loads")
+    return {
+        key.removesuffix("_W"): table.number(key, at_least=0.0) for key in LOAD_KEYS if key in table
+    }
+
+
+def _one_of(table: Table, keys: tuple[str, ...]) -> None:
+    given = [key for key in keys if key in table]
+    if len(given) > 1:
+        table.fail(given[1], f"given beside {given[0]}", "keep one of the two")
+
+
+def _energy(table: Table, name: str) -> float | None:
+    if f"{name}_Wh" in table:
+        return _HOUR * table.number(f"{name}_Wh", at_least=0.0)
+    if f"{name}_J" in table:
+        return table.number(f"{name}_J", at_least=0.0)
+    return None
+
+
+def _shown(energy: float, key: str) -> str:
+    return f"{energy / _HOUR:g} Wh" if key.endswith("_Wh") else f"{energy:g} J"
