@@ -1,4 +1,4 @@
-"""Weights that integrate a power over the steps of a flight with the light of every instant in them.
+"""Weights that integrate a power over the steps of a flight, with the light of every instant.
 
 The light depends on time alone, and may jump; what it shines on is smooth.  So within a step the
 power per unit of light is a polynomial through the Gauss points, and the light is integrated with

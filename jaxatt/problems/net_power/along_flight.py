@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ import numpy as np
 
 from jaxatt.attitude.components import Vector
 from jaxatt.environment.along_orbit import evaluate
-from jaxatt.environment.external import Along
+from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Satellite
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.light_quadrature import light_weights
@@ -42,7 +43,7 @@ def along_flight(manoeuvre: Manoeuvre, steps: int) -> AlongFlight:
     shape = (manoeuvre.intervals, steps)
     stages = (2 * np.arange(count)[:, None] + _STAGES).reshape(*shape, 4)
     weights = light_weights(
-        lambda times: _surroundings(satellite, times)[2], manoeuvre.start_time, step, count
+        lambda times: sunlight_at(satellite, times)[1], manoeuvre.start_time, step, count
     )
     middle = sun[1::2].reshape(*shape, 3)
     every = slice(None, None, 2 * steps)
@@ -68,21 +69,47 @@ def stacked(parts: Sequence[AlongFlight]) -> AlongFlight:
 _evaluated = jax.jit(evaluate, static_argnames="tidal")
 
 
-def _surroundings(satellite: Satellite, times: Floats) -> tuple[Along, Floats, Floats]:
-    """Along (n,) for the external torques, direction of the sun (n, 3) and its light (n,)."""
-    count = len(times)
-    fixed = np.asarray(satellite.light.sun, float)
-    sun = np.broadcast_to(fixed / np.linalg.norm(fixed), (count, 3))
+def sunlight_at(satellite: Satellite, times: Floats) -> tuple[Floats, Floats]:
+    """Unit vector (n, 3) to the sun in inertial axes, and the exact share (n,) of its light.
+
+    times : (n,) [s] since the epoch of the orbit.
+    """
     if satellite.orbit is None:
-        return Along(), sun, np.ones(count)
-    block = min(_BLOCK, count)
-    padded = np.pad(times, (0, -count % block), mode="edge")
-    rows = [
-        jax.tree.map(
-            np.asarray,
-            _evaluated(satellite.orbit, satellite.torques, satellite.gravity_gradient, row)[0],
+        return _without_orbit(satellite, len(times))
+    along = _blockwise(satellite, times, surroundings=False)
+    assert along.sun is not None and along.light is not None
+    return np.asarray(along.sun.array), np.asarray(along.light)
+
+
+def _surroundings(satellite: Satellite, times: Floats) -> tuple[Along, Floats, Floats]:
+    """Along (n,) for the external torques, and `sunlight_at`."""
+    if satellite.orbit is None:
+        return Along(), *_without_orbit(satellite, len(times))
+    along = _blockwise(satellite, times, surroundings=True)
+    assert along.sun is not None and along.light is not None
+    return along, np.asarray(along.sun.array), np.asarray(along.light)
+
+
+def _without_orbit(satellite: Satellite, count: int) -> tuple[Floats, Floats]:
+    if satellite.light.sun is None:
+        raise ValueError(
+            "light: a satellite without an orbit has no date, so its sun must be fixed; give the "
+            "direction of the sun in inertial axes, or an orbit"
         )
-        for row in padded.reshape(-1, block)
+    fixed = np.asarray(satellite.light.sun, float)
+    return np.broadcast_to(fixed / np.linalg.norm(fixed), (count, 3)), np.ones(count)
+
+
+def _blockwise(satellite: Satellite, times: Floats, surroundings: bool) -> Along:
+    """Along (n,) in blocks of one compiled size; without `surroundings`, sun and light alone."""
+    assert satellite.orbit is not None
+    orbit = satellite.orbit if surroundings else dataclasses.replace(satellite.orbit, field=None)
+    torques = satellite.torques if surroundings else ExternalTorques()
+    tidal = satellite.gravity_gradient and surroundings
+    count = len(times)
+    padded = np.pad(times, (0, -count % _BLOCK), mode="edge")
+    rows = [
+        jax.tree.map(np.asarray, _evaluated(orbit, torques, tidal, row, satellite.light)[0])
+        for row in padded.reshape(-1, _BLOCK)
     ]
-    along = jax.tree.map(lambda *leaves: np.concatenate(leaves)[:count], *rows)
-    return along, sun, np.ones(count)
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[:count], *rows)
