@@ -1,0 +1,76 @@
+"""Account of the energy that a satellite gains and spends in a manoeuvre."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxatt.runtime.arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyAccount:
+    """Energy at the battery by interval (S, N) [J]; every efficiency is in it.
+
+    solar : gained.  wheels, magnetorquers, loads : spent; the wheels' may be negative where they
+    give energy back.  start_charge : (S,) [J].  capacity : [J], inf where it does not matter.
+    """
+
+    solar: Floats
+    wheels: Floats
+    magnetorquers: Floats
+    loads: Floats
+    start_charge: Floats
+    capacity: float
+
+    @property
+    def net(self) -> Floats:
+        """Gained less spent by interval, (S, N) [J]."""
+        return self.solar - self.wheels - self.magnetorquers - self.loads
+
+    @property
+    def solar_J(self) -> Floats:
+        """Gained from the sun, (S,) [J]."""
+        return self.solar.sum(axis=1)
+
+    @property
+    def wheels_J(self) -> Floats:
+        """Spent on the wheels, (S,) [J]."""
+        return self.wheels.sum(axis=1)
+
+    @property
+    def magnetorquers_J(self) -> Floats:
+        """Spent on the magnetorquers, (S,) [J]."""
+        return self.magnetorquers.sum(axis=1)
+
+    @property
+    def loads_J(self) -> Floats:
+        """Spent on the other subsystems, (S,) [J]."""
+        return self.loads.sum(axis=1)
+
+    @property
+    def net_J(self) -> Floats:
+        """Gained less spent, (S,) [J], as if the battery were never full."""
+        return self.net.sum(axis=1)
+
+    @property
+    def charge(self) -> Floats:
+        """Charge of the battery at the nodes (S, N + 1) [J].
+
+        A full battery takes no more; below zero the charge tells how much is missing.
+        """
+        change = np.cumsum(self.net, axis=1)
+        free = self.start_charge[:, None] + np.pad(change, ((0, 0), (1, 0)))
+        overflow = np.maximum.accumulate(free - self.capacity, axis=1)
+        return free - np.maximum(overflow, 0.0)
+
+    @property
+    def least_charge(self) -> Floats:
+        """Smallest charge at a node, (S,) [J]."""
+        return self.charge.min(axis=1)
+
+    def pick(self, rows: slice | np.ndarray) -> EnergyAccount:
+        """The accounts of some of the flights."""
+        parts = (self.solar, self.wheels, self.magnetorquers, self.loads, self.start_charge)
+        return EnergyAccount(*(part[rows] for part in parts), self.capacity)

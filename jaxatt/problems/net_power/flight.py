@@ -1,0 +1,178 @@
+"""Fine flight of manoeuvres, independent of the optimiser's steps, with their account of energy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from jaxatt.control.momentum_dumping import MomentumDumping
+from jaxatt.problems.net_power.along_flight import along_flight, stacked
+from jaxatt.problems.net_power.energy import EnergyAccount
+from jaxatt.problems.net_power.flight_lanes import Plant, fly_lanes
+from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.chunks import chunk_for, in_chunks
+from jaxatt.simulation.magnetic_action import momentum_hold
+from jaxatt.simulation.powers import Powers
+from jaxatt.simulation.steering import GivenTorque, Steering
+
+LEAST_STEPS = 20
+"""Runge-Kutta steps an interval, at least."""
+
+LONGEST_STEP = 0.5
+"""[s]; at rates of tenths of a radian a second its error is far below any tolerance."""
+
+_ROWS = 32
+"""Flights in one compiled call where each has surroundings of its own."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoweredFlight:
+    """Flights of S answers to manoeuvres of N intervals, with their powers and energies.
+
+    At the nodes: q_ib (S, N + 1, 4), omega_ib (S, N + 1, 3) and omega_bw (S, N + 1, n) [rad/s],
+    dipole (S, N + 1, 3) [A m^2], light (S, N + 1), visible fraction of the sun, and solar_power,
+    wheel_power, magnetorquer_power (S, N + 1) [W] at the battery; where a torque jumps, the power
+    after it.
+    wheel_torque : (S, N, n) [N m], held over each interval.
+    fastest : (S, n) [rad/s], largest speed of each wheel.  strongest : (S, 3) [A m^2], largest
+    dipole, both at all steps.  step : (S,) [s], of an interval.
+    """
+
+    q_ib: Floats
+    omega_ib: Floats
+    omega_bw: Floats
+    wheel_torque: Floats
+    dipole: Floats
+    light: Floats
+    solar_power: Floats
+    wheel_power: Floats
+    magnetorquer_power: Floats
+    energy: EnergyAccount
+    fastest: Floats
+    strongest: Floats
+    step: Floats
+
+
+def steps_for(manoeuvre: Manoeuvre) -> int:
+    """Runge-Kutta steps an interval of a fine flight."""
+    return max(LEAST_STEPS, math.ceil(manoeuvre.step / LONGEST_STEP - 1e-9))
+
+
+def fly(
+    manoeuvre: Manoeuvre,
+    wheel_torque: Any,
+    dipole: Any = None,
+    steps: int | None = None,
+) -> PoweredFlight:
+    """Fly answers to one manoeuvre.
+
+    wheel_torque : (S, N, n) [N m], held over each interval.
+    dipole : (S, N, 3) [A m^2], held; None where the magnetorquers rest or unload the wheels.
+    steps : Runge-Kutta steps an interval, `steps_for` by default.
+    """
+    return fly_many([manoeuvre], np.zeros(len(wheel_torque), int), wheel_torque, dipole, steps)
+
+
+def fly_many(
+    manoeuvres: Sequence[Manoeuvre],
+    of: Any,
+    wheel_torque: Any,
+    dipole: Any = None,
+    steps: int | None = None,
+) -> PoweredFlight:
+    """Fly answers to several manoeuvres of one satellite and one number of intervals.
+
+    of : (S,), index of the manoeuvre that each answer belongs to.  Others as in `fly`.
+    """
+    torque = np.asarray(wheel_torque, float)
+    rows = tuple(np.moveaxis(torque, -1, 0))
+    return fly_steered(manoeuvres, of, GivenTorque(), rows, dipole, steps)
+
+
+def fly_steered(
+    manoeuvres: Sequence[Manoeuvre],
+    of: Any,
+    steering: Steering,
+    rows: Any,
+    dipole: Any = None,
+    steps: int | None = None,
+) -> PoweredFlight:
+    """Fly manoeuvres with torques that `steering` decides at the start of every interval.
+
+    rows : pytree with leading axes (S, N), the steering's own data of each interval.
+    Others as in `fly_many`.
+    """
+    of, first = np.asarray(of), manoeuvres[0]
+    steps = steps or max(steps_for(manoeuvre) for manoeuvre in manoeuvres)
+    shared = len(manoeuvres) == 1
+    once = stacked([along_flight(first, steps)]) if shared else None
+    plant = _plant(first)
+
+    def run(lanes: dict[str, Any]) -> Any:
+        which = lanes["of"]
+        around = once or stacked([along_flight(manoeuvres[k], steps) for k in which])
+        chosen = [first] if shared else [manoeuvres[k] for k in which]
+        step = np.array([one.step / steps for one in chosen])
+        return fly_lanes(plant, steering, lanes, around, step)
+
+    lanes = {
+        "of": of,
+        "start": tuple(
+            np.stack([np.asarray(getattr(manoeuvres[k].start, name), float) for k in of])
+            for name in ("q_ib", "omega_ib", "omega_bw")
+        ),
+        "rows": rows,
+        "dipole": () if dipole is None else tuple(np.moveaxis(np.asarray(dipole, float), -1, 0)),
+    }
+    size = chunk_for(len(of)) if shared else min(_ROWS, chunk_for(len(of)))
+    key = ("net-power flight", first.intervals, steps, jax.tree.structure((plant, lanes)), shared)
+    found = in_chunks(run, lanes, size, key=key)
+    return _gathered(manoeuvres, of, found)
+
+
+def _plant(manoeuvre: Manoeuvre) -> Plant:
+    satellite = manoeuvre.satellite
+    craft, management = satellite.craft, satellite.momentum
+    hold = None
+    if management is not None:
+        if craft.magnetorquers is None:
+            raise ValueError("momentum: the vehicle has no magnetorquers to manage it with")
+        law = MomentumDumping(management.gain, np.asarray(management.wheel_speed), printed=True)
+        hold = momentum_hold(craft, craft.magnetorquers, law)
+    powers = Powers(craft, satellite.light.irradiance, satellite.wheel_power)
+    return Plant(powers, satellite.torques, hold)
+
+
+def _gathered(
+    manoeuvres: Sequence[Manoeuvre], of: np.ndarray, found: dict[str, Floats]
+) -> PoweredFlight:
+    """The flights with their accounts, the loads included."""
+    first = manoeuvres[0]
+    chosen = [manoeuvres[k] for k in of]
+    battery = first.satellite.craft.battery
+    output = 1.0 if battery is None else float(battery.output_efficiency)
+    loads = np.array([one.load * one.step / output for one in chosen])
+    energy = EnergyAccount(
+        found["solar"],
+        found["wheels"],
+        found["magnetorquers"],
+        np.broadcast_to(loads[:, None], found["solar"].shape),
+        np.array([one.charge for one in chosen]),
+        math.inf if battery is None else float(battery.capacity),
+    )
+    same = ("q_ib", "omega_ib", "omega_bw", "dipole", "light", "solar_power", "wheel_power")
+    return PoweredFlight(
+        **{name: found[name] for name in same},
+        magnetorquer_power=found["magnetorquer_power"],
+        wheel_torque=found["torque"],
+        energy=energy,
+        fastest=found["fastest"],
+        strongest=found["strongest"],
+        step=np.array([one.step for one in chosen]),
+    )

@@ -1,0 +1,82 @@
+"""Verdict of a fine flight on answers to a manoeuvre that earns energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from jaxatt.attitude import errors
+from jaxatt.problems.net_power.flight import PoweredFlight, fly
+from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Floats
+
+SPEED_TOLERANCE = 1e-3
+"""[rad/s], for wheel speeds at the end where a manoeuvre asks for them."""
+
+
+def judge_manoeuvre(manoeuvre: Manoeuvre, wheel_torque: Any, dipole: Any = None) -> Verdict:
+    """Fly answers finely and judge them; wheel_torque (S, N, n) and dipole as in `fly`."""
+    return judge_flight(manoeuvre, fly(manoeuvre, wheel_torque, dipole), dipole is not None)
+
+
+def judge_flight(
+    manoeuvre: Manoeuvre, flown: PoweredFlight, decided_dipole: bool = False
+) -> Verdict:
+    """Judge flights of one manoeuvre.
+
+    Errors: "attitude" [rad], "rate" [rad/s] and, where wheel speeds are asked for, "wheel speed"
+    [rad/s], of the worst wheel.  Limits: torques [N m] and, where they were decided, dipoles
+    [A m^2].  Margins: speeds of the wheels at all steps, relative to their limits, and the charge
+    of the battery at the nodes, relative to its capacity, or to its floor where that has no bound.
+    """
+    found: dict[str, Floats] = {}
+    tolerances: dict[str, float] = {}
+    end = manoeuvre.end
+    if end is not None:
+        found["attitude"] = np.asarray(errors.angle(end.q_ib, flown.q_ib[:, -1]))
+        found["rate"] = np.linalg.norm(flown.omega_ib[:, -1] - end.omega_ib, axis=-1)
+        tolerances = {"attitude": end.attitude_tolerance, "rate": end.rate_tolerance}
+        if end.omega_bw is not None:
+            missed = np.abs(flown.omega_bw[:, -1] - end.omega_bw)
+            found["wheel speed"] = missed.max(axis=-1, initial=0.0)
+            tolerances["wheel speed"] = SPEED_TOLERANCE
+    return Verdict(
+        {name: _finite(error) for name, error in found.items()},
+        tolerances,
+        _limits(manoeuvre, flown, decided_dipole),
+        np.maximum(_speeds(manoeuvre, flown), _floor(manoeuvre, flown)),
+    )
+
+
+def _finite(error: Floats) -> Floats:
+    return np.where(np.isfinite(error), error, np.inf)
+
+
+def _limits(manoeuvre: Manoeuvre, flown: PoweredFlight, decided_dipole: bool) -> Floats:
+    """Largest excess over a limit of torque or decided dipole, (S,)."""
+    craft = manoeuvre.satellite.craft
+    excess = np.abs(flown.wheel_torque) - np.asarray(craft.wheels.torque_limit)
+    worst = excess.max(axis=(1, 2), initial=0.0)
+    if decided_dipole and craft.magnetorquers is not None:
+        over = flown.strongest - np.asarray(craft.magnetorquers.dipole_limit)
+        worst = np.maximum(worst, over.max(axis=1))
+    return _finite(worst)
+
+
+def _speeds(manoeuvre: Manoeuvre, flown: PoweredFlight) -> Floats:
+    """Largest excess over a wheel's speed limit, relative to it, (S,)."""
+    most = np.asarray(manoeuvre.satellite.craft.wheels.speed_limit)
+    bounded = np.isfinite(most)
+    relative = flown.fastest[:, bounded] / most[bounded] - 1.0
+    return _finite(relative.max(axis=1, initial=0.0))
+
+
+def _floor(manoeuvre: Manoeuvre, flown: PoweredFlight) -> Floats:
+    """Charge that is missing to the battery's floor, relative, (S,)."""
+    missing = np.maximum(manoeuvre.floor - flown.energy.least_charge, 0.0)
+    if not np.isfinite(manoeuvre.floor):
+        return np.zeros(len(missing))
+    scale = flown.energy.capacity
+    return _finite(missing / (scale if np.isfinite(scale) else max(1.0, abs(manoeuvre.floor))))
