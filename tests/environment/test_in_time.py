@@ -1,0 +1,139 @@
+"""The environment as a function of time, against direct evaluation, ppigrf and differences."""
+
+import datetime as dt
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxatt.environment import epoch, frames, igrf, in_time, kepler, orbit, sun
+from jaxatt.environment.along_orbit import OrbitTask
+from jaxatt.environment.interpolant import interpolate
+from jaxatt.environment.light import Light
+
+EPOCH = dt.datetime(2022, 4, 1, tzinfo=dt.UTC)
+MU = 3.986e14
+DEGREES = (97.427, 215.365, 83.564, 34.004)
+LAST = 6000.0
+
+
+@pytest.fixture(scope="module")
+def task():
+    """The orbit of chapter 6 (table 6.1)."""
+    elements = kepler.KeplerianElements(
+        *(jnp.asarray(v) for v in (6898e3, 0.000713, *np.deg2rad(DEGREES)))
+    )
+    days = epoch.days_since_j2000(EPOCH)
+    return OrbitTask(elements, MU, days, igrf.at_year(epoch.decimal_year(EPOCH)))
+
+
+@pytest.fixture(scope="module")
+def environment(task):
+    return in_time.in_time(task, Light(1366.0), 0.0, LAST)
+
+
+def times(count=200):
+    return np.sort(np.random.default_rng(3).uniform(0.0, LAST, count))
+
+
+def at(environment, moments):
+    return jax.vmap(environment.at)(jnp.asarray(moments))
+
+
+def test_position_frame_and_sun_are_those_of_the_orbit(task, environment):
+    moments = times()
+    found = at(environment, moments)
+    r, v = orbit.propagate(*kepler.to_state(task.elements, MU), jnp.asarray(moments), MU)
+    np.testing.assert_allclose(found.position.array, r, rtol=0.0, atol=7e-3)
+    expected = np.asarray(frames.quaternion_io(r, v))
+    q = np.asarray(found.q_io.array)
+    assert np.abs(np.sum(q * expected, axis=1)).min() > 1.0 - 1e-12
+    assert np.sum(q[1:] * q[:-1], axis=1).min() > 0.0
+    np.testing.assert_allclose(found.orbit_rate, frames.omega_io(r, v)[:, 1], rtol=1e-9)
+    np.testing.assert_allclose(
+        found.sun.array,
+        sun.sun_direction(jnp.asarray(task.days + moments / 86400.0)),
+        rtol=0.0,
+        atol=1e-10,
+    )
+
+
+def test_field_is_that_of_ppigrf(environment):
+    ppigrf = pytest.importorskip("ppigrf")
+    moments = times(40)
+    found = at(environment, moments)
+    r = np.asarray(found.position.array)
+    angle = np.asarray(epoch.rotation_angle(epoch.days_since_j2000(EPOCH) + moments / 86400.0))
+    x = np.cos(angle) * r[:, 0] + np.sin(angle) * r[:, 1]
+    y = np.cos(angle) * r[:, 1] - np.sin(angle) * r[:, 0]
+    radius = np.linalg.norm(r, axis=1)
+    theta, phi = np.arccos(r[:, 2] / radius), np.arctan2(y, x)
+    up, south, east = (
+        np.ravel(part)
+        for part in ppigrf.igrf_gc(
+            radius / 1e3, np.rad2deg(theta), np.rad2deg(phi), EPOCH.replace(tzinfo=None)
+        )
+    )
+    lon = phi + angle
+    axes = (
+        np.stack([np.sin(theta) * np.cos(lon), np.sin(theta) * np.sin(lon), np.cos(theta)], 1),
+        np.stack([np.cos(theta) * np.cos(lon), np.cos(theta) * np.sin(lon), -np.sin(theta)], 1),
+        np.stack([-np.sin(lon), np.cos(lon), np.zeros_like(lon)], 1),
+    )
+    expected = sum(p[:, None] * a for p, a in zip((up, south, east), axes, strict=True))
+    np.testing.assert_allclose(1e9 * np.asarray(found.field.array), expected, atol=1.0)
+
+
+def test_eclipse_is_where_the_sun_sets(task, environment):
+    moments = np.arange(0.0, LAST, 0.5)
+    clearance = np.asarray(at(environment, moments).clearance)
+    r, _ = orbit.propagate(*kepler.to_state(task.elements, MU), jnp.asarray(moments), MU)
+    direction = sun.sun_direction(task.days + jnp.asarray(moments) / 86400.0)
+    light = np.asarray(sun.visible_fraction(r, direction))
+    # The sun's centre is on the horizon where half of it is hidden, to its parallax.
+    inside = clearance < 0.0
+    assert np.count_nonzero(inside != (light < 0.5)) <= 2
+    edges = moments[np.flatnonzero(np.diff(inside.astype(int)))]
+    np.testing.assert_allclose(edges, [2787.0, 4853.0], atol=4.0)
+
+
+def test_light_rises_smoothly_between_shadow_and_sun():
+    clearance = jnp.asarray([-0.1, -0.004, 0.0, 0.004, 0.1])
+    light = np.asarray(in_time.smooth_light(clearance, 0.004))
+    np.testing.assert_allclose(light, [0.0, 0.119203, 0.5, 0.880797, 1.0], atol=1e-6)
+
+
+def test_derivatives_in_time_are_those_of_the_values(environment):
+    moments = jnp.asarray(times(50))
+    value, slope, bend = jax.vmap(environment.table.to_second_order)(moments)
+    h = 2.0
+    ahead, behind = (jax.vmap(environment.table.at)(moments + s * h) for s in (1.0, -1.0))
+    size = np.abs(np.asarray(value)).max(axis=0)
+    rate = 1.2e-3
+    central = np.asarray(ahead - behind) / (2.0 * h)
+    assert (np.abs(np.asarray(slope) - central) / size).max() < 1e-4 * rate
+    second = np.asarray(ahead - 2.0 * value + behind) / h**2
+    assert (np.abs(np.asarray(bend) - second) / size).max() < 1e-2 * rate**2
+    differentiated = jax.vmap(jax.jacfwd(environment.table.at))(moments)
+    np.testing.assert_allclose(differentiated, slope, atol=1e-12 * float(size.max()))
+    again = jax.vmap(jax.jacfwd(jax.jacfwd(environment.table.at)))(moments)
+    np.testing.assert_allclose(again, bend, atol=1e-12 * float(size.max()))
+
+
+def test_an_interpolant_is_twice_continuous_and_of_sixth_order():
+    def values(t):
+        return np.stack([np.sin(t), np.exp(-t)], axis=1)
+
+    moments = np.linspace(0.0, 3.0, 301)
+    errors = []
+    for step in (0.2, 0.1):
+        table = interpolate(values, 0.0, 3.0, step)
+        found = np.asarray(jax.vmap(table.at)(jnp.asarray(moments)))
+        errors.append(np.abs(found - values(moments)).max())
+        node = 5 * step
+        sides = [table.to_second_order(jnp.asarray(node + side)) for side in (-1e-9, 1e-9)]
+        for left, right in zip(*sides, strict=True):
+            np.testing.assert_allclose(left, right, atol=1e-6)
+    assert errors[0] < 1e-8
+    assert errors[0] / errors[1] > 40.0
