@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from jaxatt.problems.net_power.baseline import PDBaseline
 from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.problems.net_power.plan.task import Plan
 from jaxatt.runtime.arrays import Floats
 
 
@@ -21,20 +23,6 @@ class Weights:
     time: float = 0.0
 
 
-@dataclass(frozen=True)
-class BaselineGains:
-    """Gains of the PD law that points at the sun, eq. (3.6), and when it lets go of it.
-
-    attitude : [N m].  rate : [N m s].  turn_back : [s] before the end.  hold : [s], for which a
-    torque is held; 0 for the length of an interval.
-    """
-
-    attitude: float
-    rate: float
-    turn_back: float
-    hold: float
-
-
 @dataclass(frozen=True, eq=False)
 class NetPowerOptions:
     """Options of the family `net-power`.
@@ -44,7 +32,7 @@ class NetPowerOptions:
     cost : "energy" or "mean-power", of which the most is wanted.
     wheel_speed_at_end : (n,) [rad/s], or None where the wheels may end with any.
     load : [W], of the other subsystems.  floor : [J], least charge of the battery.
-    tasks : of a plan, in their order; empty for a single manoeuvre.
+    baseline : PD law to compare with; None without.  plan : None for a single manoeuvre.
     """
 
     satellite: Satellite
@@ -52,8 +40,8 @@ class NetPowerOptions:
     target_frame: str
     cost: str
     weights: Weights
-    baseline: BaselineGains | None
+    baseline: PDBaseline | None
     wheel_speed_at_end: Floats | None = None
     load: float = 0.0
     floor: float = -math.inf
-    tasks: tuple[object, ...] = ()
+    plan: Plan | None = None

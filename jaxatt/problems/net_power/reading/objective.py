@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from jaxatt.problems.net_power.options import BaselineGains, Weights
+from jaxatt.problems.net_power.baseline import PDBaseline
+from jaxatt.problems.net_power.options import Weights
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.scenario import Objective
@@ -42,27 +43,26 @@ def read_objective(
     for key in asked:
         if key in table and terminal == "reach":
             table.fail(key, 'terminal = "reach" has no weights', 'drop it, or use "penalty"')
-    weights = Weights(
-        *(
-            table.number(key, at_least=0.0, example="3.75e4") if terminal == "penalty" else 0.0
-            for key in asked
-        ),
-        time=table.number("time_weight_W_s", 0.0, at_least=0.0),
+    attitude, rate = (
+        table.number(key, at_least=0.0, example="3.75e4") if terminal == "penalty" else 0.0
+        for key in asked
     )
+    weights = Weights(attitude, rate, table.number("time_weight_W_s", 0.0, at_least=0.0))
     wheel_power = table.choice("wheel_power", WHEEL_POWERS, "wheels")
     return Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights
 
 
-def read_baseline(data: Any, origin: str, craft: Spacecraft) -> BaselineGains | None:
+def read_baseline(data: Any, origin: str, craft: Spacecraft) -> PDBaseline | None:
     """Read [baseline], the PD law to compare with; None where there is none."""
     if data is None:
         return None
     table = Table(data, origin, "[baseline]", NET_POWER_TABLES["baseline"])
     if not craft.wheels.count:
         table.fail(next(iter(table.data), "attitude_gain_Nm"), "it needs wheels", "drop [baseline]")
-    return BaselineGains(
-        attitude=table.number("attitude_gain_Nm", above=0.0, example="8e-2"),
-        rate=table.number("rate_gain_Nm_s", above=0.0, example="0.108"),
+    return PDBaseline(
+        proportional=table.number("attitude_gain_Nm", above=0.0, example="8e-2"),
+        derivative=table.number("rate_gain_Nm_s", above=0.0, example="0.108"),
+        hold=table.number("hold_s", above=0.0) if "hold_s" in table else None,
         turn_back=table.number("turn_back_s", 20.0, at_least=0.0),
-        hold=table.number("hold_s", 0.0, at_least=0.0),
+        nearest_to=table.choice("nearest_to", ("start", "end"), "start"),
     )

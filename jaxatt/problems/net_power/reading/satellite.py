@@ -18,7 +18,6 @@ from jaxatt.problems.net_power.manoeuvre import MomentumManagement, Satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.light import read_light
-from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import elements_of
 from jaxatt.spacecraft import Spacecraft
@@ -28,9 +27,14 @@ MAGNETORQUING = ("none", "manage-momentum", "decided")
 
 
 def read_satellite(
-    document: dict[str, Any], origin: str, craft: Spacecraft, wheel_power: str, horizon: float
-) -> tuple[Satellite, Orbit | None]:
-    """Read orbit, light, disturbances and the use of the magnetorquers.
+    document: dict[str, Any],
+    origin: str,
+    craft: Spacecraft,
+    orbit: Orbit | None,
+    wheel_power: str,
+    horizon: float,
+) -> Satellite:
+    """Read light, disturbances and the use of the magnetorquers.
 
     horizon : [s], within which the field model and the sun must hold.
     Raises `ScenarioError`.
@@ -45,7 +49,6 @@ def read_satellite(
             f"{origin}: [vehicle.thrusters]: their propellant is not counted in watts; drop them, "
             "or use an objective for thrusters"
         )
-    orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
     light = read_light(document.get("light", {}), origin, orbit)
     torques, gradient = _disturbances(document.get("disturbances", {}), origin, orbit)
     momentum, decided = _magnetorquing(document.get("magnetorquing", {}), origin, craft, orbit)
@@ -60,7 +63,7 @@ def read_satellite(
         momentum=momentum,
         wheel_power=wheel_power,
         decided_dipole=decided or not craft.wheels.count,
-    ), orbit
+    )
 
 
 def _orbit_task(origin: str, orbit: Orbit, magnetic: bool, horizon: float) -> OrbitTask:
@@ -92,9 +95,7 @@ def _year(days: float) -> float:
     return decimal_year(J2000 + dt.timedelta(days=days))
 
 
-def _disturbances(
-    data: Any, origin: str, orbit: Orbit | None
-) -> tuple[ExternalTorques, bool]:
+def _disturbances(data: Any, origin: str, orbit: Orbit | None) -> tuple[ExternalTorques, bool]:
     table = Table(data, origin, "[disturbances]", NET_POWER_TABLES["disturbances"])
     gradient = table.flag("gravity_gradient")
     dipole = table.vector("residual_dipole_Am2", 3, np.zeros(3))

@@ -10,7 +10,10 @@ import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.net_power.options import NetPowerOptions
-from jaxatt.problems.net_power.plan.reading import read_tasks
+from jaxatt.problems.net_power.orbit_frame import inertial_pose, orbit_frame
+from jaxatt.problems.net_power.plan.reading.plan import read_plan
+from jaxatt.problems.net_power.plan.sight import check_sights
+from jaxatt.problems.net_power.plan.task import Plan, Pose
 from jaxatt.problems.net_power.reading.objective import read_baseline, read_objective
 from jaxatt.problems.net_power.reading.satellite import read_satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
@@ -18,8 +21,10 @@ from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
+from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Horizon, Scenario
+from jaxatt.problems.scenario import Horizon, Orbit, Scenario
+from jaxatt.problems.surroundings import elements_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -30,37 +35,29 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     """Read and check the scenario; see `Family.read`."""
     heading = read_heading(document, origin, NET_POWER_TABLES, ("vehicle", "initial"))
     notes: list[str] = []
-    plan = "tasks" in document
-    if plan and "target" in document:
-        raise ScenarioError(
-            f"{origin}: [target] and [[tasks]] are both given; keep [target] for one manoeuvre or "
-            "[[tasks]] for a plan"
-        )
-    horizon = _plan_horizon(document, origin) if plan else _horizon(document, origin)
     craft = read_vehicle(document["vehicle"], origin, folder, notes)
+    orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
+    initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
+    plan = None
+    if "tasks" in document:
+        for name in ("target", "horizon", "limits"):
+            if name in document:
+                raise ScenarioError(f"{origin}: [{name}]: not beside [[tasks]]; drop it")
+        pose = inertial_pose(initial, initial_frame, orbit)
+        plan = _plan(document, origin, craft, orbit, pose, notes)
+    elif "plan" in document:
+        raise ScenarioError(f"{origin}: [plan]: there are no [[tasks]]; add some, or drop it")
+    horizon = _horizon(document, origin) if plan is None else _plan_horizon(plan)
+    _check_actuators(origin, craft, horizon)
     objective, wheel_power, cost, weights = read_objective(
         document.get("objective", {}), origin, craft, horizon.free
     )
     longest = horizon.longest if horizon.free else horizon.duration
-    satellite, orbit = read_satellite(document, origin, craft, wheel_power, longest)
-    if horizon.free and craft.wheels.count:
-        raise ScenarioError(
-            f'{origin}: [horizon] final_time = "free": only for satellites with magnetorquers '
-            'alone; give horizon_s and final_time = "fixed"'
-        )
-    if not horizon.free and not craft.wheels.count:
-        raise ScenarioError(
-            f'{origin}: [horizon] final_time: magnetorquers alone need it "free"; give shortest_s '
-            "and longest_s"
-        )
-    has_orbit = orbit is not None
-    initial, initial_frame = _initial(document["initial"], origin, craft, has_orbit, notes)
+    satellite = read_satellite(document, origin, craft, orbit, wheel_power, longest)
     target, target_frame, speeds = None, "inertial", None
     if "target" in document:
-        target, target_frame, speeds = _target(
-            document["target"], origin, craft, has_orbit, notes
-        )
-    scenario = Scenario(
+        target, target_frame, speeds = _target(document["target"], origin, craft, orbit, notes)
+    return Scenario(
         **vars(heading),
         family="net-power",
         vehicle=craft,
@@ -83,10 +80,52 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
             wheel_speed_at_end=speeds,
             load=float(craft.loads.get("harvest", 0.0)),
             floor=_floor(document.get("limits", {}), origin, craft),
-            tasks=read_tasks(document, origin, satellite, notes) if plan else (),
+            plan=plan,
         ),
     )
-    return scenario
+
+
+def _check_actuators(origin: str, craft: Spacecraft, horizon: Horizon) -> None:
+    if horizon.free and craft.wheels.count:
+        raise ScenarioError(
+            f'{origin}: [horizon] final_time = "free": only for satellites with magnetorquers '
+            'alone; give horizon_s and final_time = "fixed"'
+        )
+    if not horizon.free and not craft.wheels.count:
+        raise ScenarioError(
+            f'{origin}: [horizon] final_time: magnetorquers alone need it "free"; give shortest_s '
+            "and longest_s"
+        )
+
+
+def _plan(
+    document: dict[str, Any],
+    origin: str,
+    craft: Spacecraft,
+    orbit: Orbit | None,
+    initial: Pose,
+    notes: list[str],
+) -> Plan:
+    """Read the plan, and check that what it looks at is in sight."""
+    battery = craft.battery
+    capacity = None if battery is None else float(battery.capacity)
+    plan = read_plan(
+        document,
+        origin,
+        initial=initial,
+        days=None if orbit is None else orbit.days,
+        orbit=None if orbit is None else orbit_frame(orbit),
+        capacity=capacity if capacity is not None and math.isfinite(capacity) else None,
+        notes=notes,
+    )
+    if any(task.site is not None for task in plan.tasks):
+        if orbit is None or orbit.days is None:
+            raise ScenarioError(
+                f"{origin}: [[tasks]] target_deg: without [orbit] and its epoch nobody knows what "
+                "is in sight; add both, or drop the targets"
+            )
+        check_sights(plan, elements_of(orbit), orbit.gravitational_parameter, orbit.days, origin)
+    return plan
 
 
 def _horizon(document: dict[str, Any], origin: str) -> Horizon:
@@ -95,12 +134,8 @@ def _horizon(document: dict[str, Any], origin: str) -> Horizon:
         raise ScenarioError(f"{origin}: [horizon] is missing; add it with horizon_s and intervals")
     table = Table(document["horizon"], origin, "[horizon]", NET_POWER_TABLES["horizon"])
     free, shortest, longest = read_final_time(table)
-    for key, mend in (
-        ("coast_intervals", "drop it; nothing follows the manoeuvre"),
-        ("step_s", "it belongs to plans; give intervals"),
-    ):
-        if key in table:
-            table.fail(key, "not for a single manoeuvre of net power", mend)
+    if "coast_intervals" in table:
+        table.fail("coast_intervals", "nothing follows the manoeuvre", "drop it")
     if free and not math.isfinite(longest):
         table.fail("longest_s", "missing", "give the longest final time, e.g. longest_s = 6000.0")
     default = longest if free else None
@@ -115,31 +150,25 @@ def _horizon(document: dict[str, Any], origin: str) -> Horizon:
     )
 
 
-def _plan_horizon(document: dict[str, Any], origin: str) -> Horizon:
-    """Read the horizon of a plan: its whole length and the common step of its tasks."""
-    table = Table(document.get("horizon", {}), origin, "[horizon]", NET_POWER_TABLES["horizon"])
-    for key in ("final_time", "shortest_s", "longest_s", "coast_intervals", "intervals"):
-        if key in table:
-            table.fail(key, "a plan's tasks have their own lengths", "drop it; give step_s")
-    step = table.number("step_s", above=0.0, example="2.0")
-    duration = table.number("horizon_s", above=0.0, example="5580.0")
+def _plan_horizon(plan: Plan) -> Horizon:
+    """Horizon of a plan: all of its tasks."""
     return Horizon(
-        duration=duration,
-        intervals=max(1, round(duration / step)),
+        duration=plan.duration,
+        intervals=sum(task.intervals for task in plan.tasks),
         coast_intervals=0,
-        substeps=table.integer("substeps") if "substeps" in table else None,
+        substeps=None,
     )
 
 
-def _frame(table: Table, has_orbit: bool) -> str:
+def _frame(table: Table, orbit: Orbit | None) -> str:
     frame = table.choice("frame", _FRAMES, "inertial")
-    if frame == "orbit" and not has_orbit:
+    if frame == "orbit" and orbit is None:
         table.fail("frame", "there is no [orbit]", 'add one, or use "inertial"')
     return frame
 
 
 def _initial(
-    data: Any, origin: str, craft: Spacecraft, has_orbit: bool, notes: list[str]
+    data: Any, origin: str, craft: Spacecraft, orbit: Orbit | None, notes: list[str]
 ) -> tuple[InitialState, str]:
     table = Table(data, origin, "[initial]", NET_POWER_TABLES["initial"])
     count = craft.wheels.count
@@ -148,11 +177,11 @@ def _initial(
     state = InitialState(
         read_attitude(table, notes), table.vector("rate_rad_s", 3, np.zeros(3)), speeds
     )
-    return state, _frame(table, has_orbit)
+    return state, _frame(table, orbit)
 
 
 def _target(
-    data: Any, origin: str, craft: Spacecraft, has_orbit: bool, notes: list[str]
+    data: Any, origin: str, craft: Spacecraft, orbit: Orbit | None, notes: list[str]
 ) -> tuple[Target | None, str, Floats | None]:
     """Read the target; an empty one leaves attitude and rate at the end free."""
     table = Table(data, origin, "[target]", NET_POWER_TABLES["target"])
@@ -160,7 +189,7 @@ def _target(
     if "wheel_speed_rad_s" in table:
         speeds = table.vector("wheel_speed_rad_s", craft.wheels.count)
         _check_speeds(table, speeds, craft)
-    frame = _frame(table, has_orbit)
+    frame = _frame(table, orbit)
     if not attitude_given(table):
         if "rate_rad_s" in table:
             table.fail("rate_rad_s", "without an attitude", "give the attitude, too")

@@ -4,27 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from jaxatt.problems.reading.light import LIGHT_KEYS
-from jaxatt.problems.reading.schema import ATTITUDE_KEYS, SPACECRAFT_TABLES
-
-TASK_KEYS = (
-    "name",
-    "mode",
-    "duration_s",
-    "start",
-    "end",
-    "intervals",
-    "step_s",
-    "frame",
-    *ATTITUDE_KEYS,
-    "rate_rad_s",
-    "rate_deg_s",
-    "wheel_speed_rad_s",
-    "attitude_tolerance_deg",
-    "rate_tolerance_rad_s",
-    "target_deg",
-    "load_W",
-)
+from jaxatt.problems.net_power.plan.reading.schema import PLAN_KEYS, TASK_KEYS
+from jaxatt.problems.reading.schema import LIGHT_KEYS, SPACECRAFT_TABLES
 
 NET_POWER_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": SPACECRAFT_TABLES["vehicle"],
@@ -32,8 +13,9 @@ NET_POWER_TABLES: Mapping[str, tuple[str, ...]] = {
     "light": LIGHT_KEYS,
     "initial": (*SPACECRAFT_TABLES["initial"], "frame"),
     "target": (*SPACECRAFT_TABLES["target"], "frame", "wheel_speed_rad_s"),
+    "plan": PLAN_KEYS,
     "tasks": TASK_KEYS,
-    "horizon": (*SPACECRAFT_TABLES["horizon"], "step_s"),
+    "horizon": SPACECRAFT_TABLES["horizon"],
     "disturbances": ("gravity_gradient", "residual_dipole_Am2", "eddy_coefficient"),
     "magnetorquing": ("mode", "gain", "wheel_speed_rad_s"),
     "objective": (
@@ -47,7 +29,7 @@ NET_POWER_TABLES: Mapping[str, tuple[str, ...]] = {
         "rate_weight_W_s2",
         "time_weight_W_s",
     ),
-    "baseline": ("attitude_gain_Nm", "rate_gain_Nm_s", "turn_back_s", "hold_s"),
+    "baseline": ("attitude_gain_Nm", "rate_gain_Nm_s", "turn_back_s", "hold_s", "nearest_to"),
     "limits": ("least_charge_percent",),
     "solver": SPACECRAFT_TABLES["solver"],
     "printed": (),
