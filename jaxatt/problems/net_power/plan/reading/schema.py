@@ -1,0 +1,35 @@
+"""Keys of the tables of a plan."""
+
+from __future__ import annotations
+
+from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+
+TASK_KEYS = (
+    "name",
+    "mode",
+    "start",
+    "start_s",
+    "end",
+    "end_s",
+    "duration_s",
+    "step_s",
+    "intervals",
+    *ATTITUDE_KEYS,
+    "frame",
+    "rate_rad_s",
+    "rate_deg_s",
+    "attitude_tolerance_deg",
+    "rate_tolerance_rad_s",
+    "target_deg",
+)
+"""Keys of [[tasks]]."""
+
+PLAN_KEYS = (
+    "horizon_s",
+    "step_s",
+    "least_elevation_deg",
+    "least_charge_percent",
+    "least_charge_Wh",
+    "joint",
+)
+"""Keys of [plan]."""

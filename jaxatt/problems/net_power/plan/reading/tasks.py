@@ -1,0 +1,143 @@
+"""Read the tasks of a plan, one table each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from jaxatt.problems.net_power.plan.reading.schema import TASK_KEYS
+from jaxatt.problems.net_power.plan.reading.times import read_span
+from jaxatt.problems.net_power.plan.task import (
+    COMMUNICATE,
+    HARVEST,
+    IDLE,
+    IMAGE,
+    MODES,
+    Pose,
+    Site,
+    Task,
+    product,
+)
+from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+
+OrbitFrame = Callable[[float], Pose]
+"""Attitude q_io and rate omega_io, in orbit axes, of the orbit frame at a time [s]."""
+
+_WHOLE = 1e-6
+_HELD = ("frame", "rate_rad_s", "rate_deg_s", *ATTITUDE_KEYS)
+_ATTITUDES = ("inertial", "orbit")
+
+
+def task_table(data: Any, origin: str, index: int) -> Table:
+    """Table of the task with this index, whose label has its number and name."""
+    name = data.get("name") if isinstance(data, dict) else None
+    named = f' "{name}"' if isinstance(name, str) else ""
+    return Table(data, origin, f"[[tasks]] no. {index + 1}{named}", TASK_KEYS)
+
+
+def read_task(
+    table: Table,
+    before: float,
+    step: float,
+    days: float | None,
+    orbit: OrbitFrame | None,
+    notes: list[str],
+) -> Task:
+    """Read one task.
+
+    before : [s], end of the task before.  step : [s], length of an interval unless it says
+    otherwise.  days : epoch, days since J2000.  orbit : None without an orbit.
+    Raises `ScenarioError`.
+    """
+    mode = table.choice("mode", MODES, HARVEST)
+    start, end = read_span(table, before, days)
+    return Task(
+        name=table.text("name", mode),
+        mode=mode,
+        start=start,
+        duration=end - start,
+        intervals=_intervals(table, end - start, step, notes),
+        pose=_pose(table, mode, start, orbit, notes),
+        attitude_tolerance=math.radians(
+            table.number("attitude_tolerance_deg", 0.1, above=0.0, at_most=180.0)
+        ),
+        rate_tolerance=table.number("rate_tolerance_rad_s", 1e-4, above=0.0),
+        site=_site(table, mode),
+    )
+
+
+def _intervals(table: Table, duration: float, step: float, notes: list[str]) -> int:
+    if "intervals" in table:
+        if "step_s" in table:
+            table.fail("step_s", "given beside intervals", "keep one of the two")
+        return table.integer("intervals")
+    wanted = duration / table.number("step_s", step, above=0.0)
+    count = max(1, math.ceil(wanted - _WHOLE))
+    if abs(wanted - count) > _WHOLE * count:
+        notes.append(f"{table.label}: intervals of {duration / count:.6g} s fit its duration")
+    return count
+
+
+def _pose(
+    table: Table, mode: str, start: float, orbit: OrbitFrame | None, notes: list[str]
+) -> Pose | None:
+    """Read attitude and rate in inertial axes."""
+    if mode == HARVEST:
+        for key in (*_HELD, "target_deg", "attitude_tolerance_deg", "rate_tolerance_rad_s"):
+            if key in table:
+                table.fail(
+                    key,
+                    "a harvest ends in the attitude and rate of the task after it",
+                    f'drop it, or add a task of mode "{IDLE}" with it behind the harvest',
+                )
+        return None
+    if not attitude_given(table):
+        if mode != IDLE:
+            table.require("attitude_quaternion", "[1.0, 0.0, 0.0, 0.0]")
+        for key in _HELD:
+            if key in table:
+                table.fail(key, "given without an attitude", "add attitude_quaternion, or drop it")
+        return None
+    relative = table.choice("frame", _ATTITUDES, "inertial") == "orbit"
+    q, rate = read_attitude(table, notes), _rate(table, mode)
+    if not relative:
+        return Pose(q, rate)
+    if orbit is None:
+        table.fail("frame", "there is no orbit", 'add [orbit], or use frame = "inertial"')
+    frame = orbit(start)
+    inverse = q * np.array([1.0, -1.0, -1.0, -1.0])
+    twice = 2.0 * np.cross(inverse[1:], frame.omega_ib)
+    turned = frame.omega_ib + inverse[0] * twice + np.cross(inverse[1:], twice)
+    return Pose(product(frame.q_ib, q), rate + turned)
+
+
+def _rate(table: Table, mode: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Read the rate [rad/s]; zero without."""
+    if "rate_deg_s" in table and "rate_rad_s" in table:
+        table.fail("rate_deg_s", "given beside rate_rad_s", "keep one of the two")
+    key = "rate_deg_s" if "rate_deg_s" in table else "rate_rad_s"
+    rate = table.vector(key, 3, np.zeros(3))
+    if mode in (COMMUNICATE, IDLE) and rate.any():
+        table.fail(key, f"a task of this mode holds its attitude, only {IMAGE} turns", "drop it")
+    return np.deg2rad(rate) if key == "rate_deg_s" else rate
+
+
+def _site(table: Table, mode: str) -> Site | None:
+    """Read the place that must be in sight: latitude and longitude."""
+    if "target_deg" not in table:
+        return None
+    if mode not in (IMAGE, COMMUNICATE):
+        table.fail("target_deg", "a task of this mode looks at nothing", "drop it")
+    latitude, longitude = table.vector("target_deg", 2)
+    if abs(latitude) > 90.0 or abs(longitude) > 360.0:
+        table.fail(
+            "target_deg",
+            "is no place on the Earth",
+            "give the geodetic latitude (-90 to 90), then the longitude east, in degrees",
+        )
+    return Site(math.radians(latitude), math.radians(longitude))

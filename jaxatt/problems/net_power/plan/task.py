@@ -1,0 +1,108 @@
+"""A plan as data: tasks that follow one another, and what holds for all of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from jaxatt.runtime.arrays import Floats
+
+HARVEST, IMAGE, COMMUNICATE, IDLE = "harvest", "image", "communicate", "idle"
+MODES = (HARVEST, IMAGE, COMMUNICATE, IDLE)
+"""Modes of operation: earn energy on the way to the next task, turn over a target while taking an
+image, point at a ground station, and wait."""
+
+
+@dataclass(frozen=True)
+class Site:
+    """A place on the ground: geodetic latitude and longitude [rad], at height zero."""
+
+    latitude: float
+    longitude: float
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Attitude q_ib (4,), and the rate omega_ib (3,) [rad/s] in body axes with which it turns."""
+
+    q_ib: Floats
+    omega_ib: Floats
+
+    def after(self, time: float) -> Pose:
+        """The pose after turning at the constant rate for a time [s]."""
+        half = 0.5 * time * self.omega_ib
+        angle = float(np.linalg.norm(half))
+        turn = np.concatenate([[math.cos(angle)], np.sinc(angle / np.pi) * half])
+        return Pose(product(self.q_ib, turn), self.omega_ib)
+
+
+def product(q: Floats, r: Floats) -> Floats:
+    """Quaternion product (4,) in NumPy: exact whatever precision JAX is set to."""
+    vector = q[0] * r[1:] + r[0] * q[1:] + np.cross(q[1:], r[1:])
+    return np.concatenate([[q[0] * r[0] - q[1:] @ r[1:]], vector])
+
+
+def angle_between(q: Floats, r: Floats) -> float:
+    """Angle [rad] of the rotation between two attitudes (4,)."""
+    difference = product(q * np.array([1.0, -1.0, -1.0, -1.0]), r)
+    return 2.0 * math.atan2(float(np.linalg.norm(difference[1:])), abs(float(difference[0])))
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One task of a plan.
+
+    mode : one of `MODES`.  start, duration : [s], since the epoch of the plan.
+    intervals : of control, of equal length.
+    pose : with which the task begins, and at whose rate it goes on; None for a harvest, and for an
+    idle that waits where it is.
+    attitude_tolerance [rad], rate_tolerance [rad/s] : within which the task has to begin.
+    site : place that must be in sight throughout; None where nothing is looked at.
+    """
+
+    name: str
+    mode: str
+    start: float
+    duration: float
+    intervals: int
+    pose: Pose | None = None
+    attitude_tolerance: float = math.radians(0.1)
+    rate_tolerance: float = 1e-4
+    site: Site | None = None
+
+    @property
+    def end(self) -> float:
+        """[s], since the epoch of the plan."""
+        return self.start + self.duration
+
+    @property
+    def searched(self) -> bool:
+        """Whether the attitude is free on the way, so that there is something to optimise."""
+        return self.mode == HARVEST
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Tasks in their order, each beginning where the one before ends.
+
+    least_elevation : [rad], above the horizon of a site, that counts as in sight.
+    least_charge : [J], below which the battery must never fall; -inf without.
+    joint : whether the harvests are improved together after they were solved in sequence.
+    """
+
+    tasks: tuple[Task, ...]
+    least_elevation: float = 0.0
+    least_charge: float = -math.inf
+    joint: bool = True
+
+    @property
+    def duration(self) -> float:
+        """[s], of all tasks together."""
+        return self.tasks[-1].end
+
+    def goal(self, index: int) -> Task | None:
+        """The task in whose pose a harvest has to end; None where it may end anywhere."""
+        after = index + 1
+        return self.tasks[after] if after < len(self.tasks) else None
