@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
-from jaxatt.attitude.vectors import dot, norm
+from jaxatt.attitude.vectors import broadcast_batch, cross, dot, norm
 from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
 from jaxatt.environment.epoch import rotation_angle
 
@@ -30,16 +30,18 @@ def vertical(latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:
 
 def place(latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:
     """Position (..., 3) [m] on the WGS 84 ellipsoid, in Earth-fixed axes."""
-    up = vertical(latitude, longitude)
-    scale = jnp.asarray([1.0, 1.0, _FLAT])
+    up, scale = broadcast_batch(vertical(latitude, longitude), jnp.asarray([1.0, 1.0, _FLAT]))
     across = EQUATORIAL_RADIUS / jnp.sqrt(jnp.sum(scale * up**2, axis=-1))
     return across[..., None] * scale * up
 
 
 def elevation(position: ArrayLike, latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:
     """Angle (...) [rad] of a satellite above the horizon of a place; position Earth-fixed [m]."""
-    sight = jnp.asarray(position) - place(latitude, longitude)
-    return jnp.arcsin(dot(sight, vertical(latitude, longitude)) / norm(sight))
+    position, at, up = broadcast_batch(
+        position, place(latitude, longitude), vertical(latitude, longitude)
+    )
+    sight = position - at
+    return jnp.arctan2(dot(sight, up), norm(cross(sight, up)))
 
 
 def point_below(position: ArrayLike) -> tuple[jax.Array, jax.Array]:
