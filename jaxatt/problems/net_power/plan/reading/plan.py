@@ -6,12 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import jax.numpy as jnp
-import numpy as np
-
-from jaxatt.environment import frames, kepler, orbit
-from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.problems.net_power.orbit_frame import orbit_frame
 from jaxatt.problems.net_power.plan.reading.order import check_jumps, check_times
 from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, PLAN_KEYS
 from jaxatt.problems.net_power.plan.reading.tasks import Setting, read_task, task_table
@@ -78,12 +74,6 @@ def least_elevation(document: Mapping[str, Any], origin: str) -> float:
 def improved_jointly(document: Mapping[str, Any], origin: str) -> bool:
     """Read whether the tasks are improved together after they were solved in sequence."""
     return _plan_table(document, origin).flag("joint", True)
-
-
-def orbit_frame(flown: OrbitTask, time: float) -> Pose:
-    """Attitude q_io, and rate omega_io in orbit axes, of the orbit frame at a time [s]."""
-    r_i, v_i = orbit.propagate(*kepler.to_state(flown.elements, flown.mu), jnp.asarray(time))
-    return Pose(np.asarray(frames.quaternion_io(r_i, v_i)), np.asarray(frames.omega_io(r_i, v_i)))
 
 
 def _plan_table(document: Mapping[str, Any], origin: str) -> Table:
