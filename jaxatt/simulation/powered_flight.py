@@ -15,6 +15,7 @@ from jax import Array, lax
 
 from jaxatt.attitude.components import Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.dense_step import Dipole, between, end, stages
 from jaxatt.simulation.light_quadrature import SHARES, WEIGHTS
 from jaxatt.simulation.powers import Powers
@@ -48,7 +49,7 @@ class Step(NamedTuple):
 
     along: Along
     sun: Vector
-    light: Array
+    light: Array | Floats
 
 
 class Interval(NamedTuple):

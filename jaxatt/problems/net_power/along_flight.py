@@ -38,7 +38,7 @@ def along_flight(manoeuvre: Manoeuvre, steps: int) -> AlongFlight:
     """Surroundings of one manoeuvre with so many steps an interval, without the axis of lanes."""
     satellite, count = manoeuvre.satellite, manoeuvre.intervals * steps
     step = manoeuvre.duration / count
-    halves = manoeuvre.start_time + 0.5 * step * np.arange(2 * count + 1)
+    halves: Floats = manoeuvre.start_time + 0.5 * step * np.arange(2.0 * count + 1.0)
     along, sun, light = _surroundings(satellite, halves)
     shape = (manoeuvre.intervals, steps)
     stages = (2 * np.arange(count)[:, None] + _STAGES).reshape(*shape, 4)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.control.momentum_dumping import MomentumDumping
@@ -143,7 +144,8 @@ def _plant(manoeuvre: Manoeuvre) -> Plant:
     if management is not None:
         if craft.magnetorquers is None:
             raise ValueError("momentum: the vehicle has no magnetorquers to manage it with")
-        law = MomentumDumping(management.gain, np.asarray(management.wheel_speed), printed=True)
+        speed = jnp.asarray(management.wheel_speed)
+        law = MomentumDumping(management.gain, speed, printed=True)
         hold = momentum_hold(craft, craft.magnetorquers, law)
     powers = Powers(craft, satellite.light.irradiance, satellite.wheel_power)
     return Plant(powers, satellite.torques, hold)

@@ -13,6 +13,7 @@ from jax import Array, lax
 from jaxatt.attitude.components import Quaternion, Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.problems.net_power.along_flight import AlongFlight
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.compilation import Routine
 from jaxatt.simulation.magnetic_action import HeldDipole, MomentumHold
 from jaxatt.simulation.powered_flight import Interval, begin, fly_interval
@@ -90,14 +91,14 @@ def _series(
 ) -> dict[str, Array]:
     """What is known at the nodes, lanes first; torques and dipoles last as in the last interval."""
     motion, speeds = nodes
-    like = motion.omega.x
-    sun_b = motion.q_ib.rotate_inverse(Vector(*around.sun))
+    like = jnp.asarray(motion.omega.x)
+    sun_b = motion.q_ib.rotate_inverse(_vector(around.sun))
     light = jnp.broadcast_to(around.light, like.shape)
     held = tuple(jnp.concatenate([t, t[-1:]]) for t in torque)
     given = tuple(jnp.concatenate([m, m[-1:]]) for m in dipole)
     action = plant.hold or HeldDipole(Vector(*given) if given else None)
-    spun = combination(body.axes, body.spins(motion.omega, speeds), motion.omega)
-    field = None if around.field is None else Vector(*around.field)
+    spun = combination(body.axes, body.spins(motion.omega, jnp.asarray(speeds)), motion.omega)
+    field = None if around.field is None else _vector(around.field)
     moment = action(motion, spun, Along(field=field)) or 0.0 * motion.omega
     nothing = jnp.zeros_like(like)
     return {
@@ -110,6 +111,11 @@ def _series(
         "wheel_power": (plant.powers.wheels(held, speeds) if held else nothing).T,
         "magnetorquer_power": plant.powers.magnetorquers(moment).T,
     }
+
+
+def _vector(parts: Sequence[Floats]) -> Vector:
+    x, y, z = (jnp.asarray(part) for part in parts)
+    return Vector(x, y, z)
 
 
 def _lanes_first(parts: Sequence[Any], like: Array | None = None) -> Array:
