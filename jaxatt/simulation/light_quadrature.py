@@ -35,7 +35,7 @@ def light_weights(light: Light, start: float, step: float, steps: int) -> Floats
     light : the exact one.  start : [s], of the first step.  step : [s].
     """
     half = 0.5 * step
-    edges = start + half * np.arange(2 * steps + 1)
+    edges: Floats = start + half * np.arange(2.0 * steps + 1.0)
     seen = np.asarray(light(edges))
     weights = np.repeat(0.5 * half * seen[:-1, None], 2, axis=1)
     change = np.abs(np.diff(seen))
@@ -45,14 +45,16 @@ def light_weights(light: Light, start: float, step: float, steps: int) -> Floats
     ):
         rows = np.flatnonzero(changing)
         if rows.size:
-            weights[rows] = _resolved(light, edges[rows], half, points)
+            first: Floats = edges[rows]
+            weights[rows] = _resolved(light, first, half, points)
     return weights.reshape(steps, 4)
 
 
 def _resolved(light: Light, first: Floats, half: float, points: int) -> Floats:
     """Weights (m, 2) [s] of half steps that begin at (m,) [s]."""
     shares = (np.arange(points) + 0.5) / points
-    seen = np.asarray(light((first[:, None] + half * shares).ravel())).reshape(-1, points)
+    times: Floats = (first[:, None] + half * shares).ravel()
+    seen = np.asarray(light(times)).reshape(-1, points)
     # The straight lines that are one at their own Gauss point and zero at the other.
     late = (shares - _POINT) / (1.0 - 2.0 * _POINT)
     basis = np.stack([1.0 - late, late], axis=1)

@@ -59,4 +59,4 @@ class HeldDipole:
         """Dipole [A m^2] in the shape of the motion."""
         if self.dipole is None:
             return None
-        return self.dipole.map(lambda m, like: jnp.broadcast_to(m, like.shape), motion.omega)
+        return self.dipole.map(lambda m, like: jnp.broadcast_to(m, jnp.shape(like)), motion.omega)

@@ -7,7 +7,7 @@ the weights, which resolve the edges of the shadow.  All lanes of a batch are sc
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -15,23 +15,32 @@ from jax import Array, lax
 
 from jaxatt.attitude.components import Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
-from jaxatt.simulation.dense_step import Dipole, between, end, stages
+from jaxatt.runtime.arrays import Floats
+from jaxatt.simulation.dense_step import Dipole, Stages, between, end, stages
 from jaxatt.simulation.light_quadrature import SHARES, WEIGHTS
 from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.rigid_step import Motion
 from jaxatt.simulation.wheeled_body import WheeledBody
 
+_Tree = TypeVar("_Tree")
+
 
 class Carried(NamedTuple):
-    """State of a flight between two steps.
+    """State of a flight between two intervals.
 
     motion : attitude and rate.  spins : axial momentum of each wheel, inertial [N m s].
-    solar, wheels, magnetorquers : energy since the start of the interval [J].
-    fastest : largest speed so far of each wheel [rad/s].  strongest : largest dipole [A m^2].
     """
 
     motion: Motion
     spins: tuple[Array, ...]
+
+
+class Spent(NamedTuple):
+    """Energies [J] of an interval, and the extremes within it.
+
+    fastest : largest speed of each wheel [rad/s].  strongest : largest dipole [A m^2].
+    """
+
     solar: Array
     wheels: Array
     magnetorquers: Array
@@ -48,31 +57,7 @@ class Step(NamedTuple):
 
     along: Along
     sun: Vector
-    light: Array
-
-
-class Interval(NamedTuple):
-    """What an interval leaves: states and powers' integrals at its end, one row of a series."""
-
-    motion: Motion
-    speeds: tuple[Array, ...]
-    solar: Array
-    wheels: Array
-    magnetorquers: Array
-
-
-def begin(body: WheeledBody, motion: Motion, speeds: Array) -> Carried:
-    """State before the first step; speeds : (n, lanes) [rad/s]."""
-    nothing = jnp.zeros_like(motion.omega.x)
-    return Carried(
-        motion,
-        body.spins(motion.omega, speeds),
-        nothing,
-        nothing,
-        nothing,
-        tuple(jnp.abs(speed) for speed in speeds),
-        Vector(nothing, nothing, nothing),
-    )
+    light: Array | Floats
 
 
 def fly_interval(
@@ -84,76 +69,98 @@ def fly_interval(
     dipole: Dipole,
     steps: Step,
     step: Array,
-) -> tuple[Carried, Interval]:
+) -> tuple[Carried, Spent]:
     """Fly one interval with held wheel torques [N m].
 
     steps : leading axis of the Runge-Kutta steps.  step : (lanes,) or (1,) [s], of one of them.
     """
     torque = combination(body.axes, wheel_torque, carried.motion.omega)
 
-    def advance(at: Carried, surroundings: Step) -> tuple[Carried, None]:
-        return _step(body, torques, powers, at, wheel_torque, torque, dipole, surroundings, step)
+    def advance(at: tuple[Carried, Spent], around: Step) -> tuple[tuple[Carried, Spent], None]:
+        begun, spent = at
+        spun = combination(body.axes, begun.spins, begun.motion.omega)
+        course = stages(begun.motion, spun, torque, dipole, around.along, step, body.body, torques)
+        within = _within(body, course, begun.spins, wheel_torque, step)
+        middle = jax.tree.map(lambda x: x[1][None], around.along)
+        moment = dipole(within.motion, _row(spun) + within.passed * _row(torque), middle)
+        after = Carried(end(course, step), _spun(begun.spins, wheel_torque, step))
+        return (after, _added(powers, spent, within, wheel_torque, moment, around, step)), None
 
-    nothing = jnp.zeros_like(carried.solar)
-    carried = carried._replace(solar=nothing, wheels=nothing, magnetorquers=nothing)
-    after, _ = lax.scan(advance, carried, steps)
-    row = Interval(
-        after.motion,
-        body.speeds(after.motion, after.spins),
-        after.solar,
-        after.wheels,
-        after.magnetorquers,
+    nothing = jnp.zeros_like(carried.motion.omega.x)
+    none = Spent(
+        nothing,
+        nothing,
+        nothing,
+        tuple(nothing for _ in wheel_torque),
+        Vector(nothing, nothing, nothing),
     )
-    return after, row
+    (after, spent), _ = lax.scan(advance, (carried, none), steps)
+    return after, spent
 
 
-def _step(
+class _Points(NamedTuple):
+    """The Gauss points of a step (4, lanes): time since its start [s], motion, wheel speeds."""
+
+    passed: Array
+    motion: Motion
+    speeds: tuple[Array, ...]
+
+
+def _within(
     body: WheeledBody,
-    torques: ExternalTorques,
-    powers: Powers,
-    at: Carried,
+    course: Stages,
+    spins: tuple[Array, ...],
     wheel_torque: tuple[Array, ...],
-    torque: Vector,
-    dipole: Dipole,
-    surroundings: Step,
     step: Array,
-) -> tuple[Carried, None]:
-    """Advance by one Runge-Kutta step and add what it earns and spends."""
-    spun = combination(body.axes, at.spins, at.motion.omega)
-    begun = stages(at.motion, spun, torque, dipole, surroundings.along, step, body.body, torques)
+) -> _Points:
     shares = jnp.asarray(SHARES)
     passed = shares[:, None] * step[None]
-    motion = between(begun, step, shares)
-    spins = tuple(s[None] + passed * t[None] for s, t in zip(at.spins, wheel_torque, strict=True))
-    speeds = body.speeds(motion, spins)
-    middle = jax.tree.map(lambda x: x[1][None], surroundings.along)
-    moment = dipole(motion, _row(spun) + passed * _row(torque), middle)
-    weights = jnp.asarray(WEIGHTS)[:, None] * step[None]
-    sun_b = motion.q_ib.rotate_inverse(_row(surroundings.sun))
-    held = tuple(t[None] for t in wheel_torque)
-    earned = jnp.sum(surroundings.light * powers.solar(sun_b), axis=0)
-    spent = jnp.sum(weights * powers.wheels(held, speeds), axis=0) if held else at.wheels * 0.0
-    after = at._replace(
-        motion=end(begun, step),
-        spins=tuple(s + step * t for s, t in zip(at.spins, wheel_torque, strict=True)),
-        solar=at.solar + earned,
-        wheels=at.wheels + spent,
-        fastest=tuple(
-            jnp.maximum(most, jnp.max(jnp.abs(speed), axis=0))
-            for most, speed in zip(at.fastest, speeds, strict=True)
-        ),
+    motion = between(course, step, shares)
+    return _Points(
+        passed, motion, body.speeds(motion, _spun(_row(spins), _row(wheel_torque), passed))
     )
+
+
+def _spun(
+    spins: tuple[Array, ...], wheel_torque: tuple[Array, ...], passed: Array
+) -> tuple[Array, ...]:
+    """Axial momenta after a time; they grow linearly, exactly."""
+    return tuple(s + passed * t for s, t in zip(spins, wheel_torque, strict=True))
+
+
+def _added(
+    powers: Powers,
+    spent: Spent,
+    within: _Points,
+    wheel_torque: tuple[Array, ...],
+    moment: Vector | None,
+    around: Step,
+    step: Array,
+) -> Spent:
+    """What was spent before a step together with what the step adds."""
+    weights = jnp.asarray(WEIGHTS)[:, None] * step[None]
+    sun_b = within.motion.q_ib.rotate_inverse(_row(around.sun))
+    spent = spent._replace(
+        solar=spent.solar + jnp.sum(around.light * powers.solar(sun_b), axis=0),
+        fastest=tuple(map(_larger, spent.fastest, within.speeds)),
+    )
+    if wheel_torque:
+        driven = powers.wheels(_row(wheel_torque), within.speeds)
+        spent = spent._replace(wheels=spent.wheels + jnp.sum(weights * driven, axis=0))
     if moment is not None:
         drawn = jnp.sum(weights * powers.magnetorquers(moment), axis=0)
-        after = after._replace(
-            magnetorquers=at.magnetorquers + drawn,
-            strongest=at.strongest.map(
-                lambda most, m: jnp.maximum(most, jnp.max(jnp.abs(m), axis=0)), moment
-            ),
+        spent = spent._replace(
+            magnetorquers=spent.magnetorquers + drawn,
+            strongest=spent.strongest.map(_larger, moment),
         )
-    return after, None
+    return spent
 
 
-def _row(v: Any) -> Any:
+def _larger(most: Array, values: Array) -> Array:
+    return jnp.maximum(most, jnp.max(jnp.abs(values), axis=0))
+
+
+def _row(v: _Tree) -> _Tree:
     """The same with a leading axis of one, for the points within a step."""
-    return jax.tree.map(lambda x: x[None], v)
+    row: _Tree = jax.tree.map(lambda x: x[None], v)
+    return row

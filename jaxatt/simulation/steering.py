@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +11,7 @@ from jax import Array
 
 from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.control.proportional_derivative import proportional_derivative
+from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.rigid_step import Motion
 
 Torques = tuple[Array, ...]
@@ -19,7 +20,7 @@ Torques = tuple[Array, ...]
 class Steering(Protocol):
     """Decides at the start of an interval, from the motion and the interval's own row of data."""
 
-    def __call__(self, motion: Motion, row: object) -> Torques:
+    def __call__(self, motion: Motion, row: Any) -> Torques:
         """Torque on each wheel [N m], held over the interval."""
 
 
@@ -28,9 +29,10 @@ class Steering(Protocol):
 class GivenTorque:
     """The torques of the row itself."""
 
-    def __call__(self, motion: Motion, row: Torques) -> Torques:
-        """Torque on each wheel [N m]."""
-        return row
+    def __call__(self, motion: Motion, row: Any) -> Torques:
+        """Torque on each wheel [N m]; row : the same."""
+        torque: Torques = row
+        return torque
 
 
 class Aim(NamedTuple):
@@ -52,11 +54,11 @@ class HeldPD:
 
     proportional: Array | float
     derivative: Array | float
-    shares: Array
-    torque_limit: Array
+    shares: Array | Floats
+    torque_limit: Array | Floats
 
-    def __call__(self, motion: Motion, row: Aim) -> Torques:
-        """Torque on each wheel [N m]."""
+    def __call__(self, motion: Motion, row: Any) -> Torques:
+        """Torque on each wheel [N m]; row : an `Aim`."""
         error = row.q_ib.conjugate().multiply(motion.q_ib).canonical()
         wanted = proportional_derivative(
             error.eps, motion.omega - row.rate, self.proportional, self.derivative

@@ -24,8 +24,8 @@ _BLOCK = 4096  # instants of one evaluation
 class AlongFlight(NamedTuple):
     """Surroundings of manoeuvres; last axis of lanes, one for each manoeuvre.
 
-    steps : (intervals, steps, ..., lanes), as `Step`.  At the nodes (N + 1, lanes) of each, sun :
-    components of the unit vector, light : visible fraction, field : components [T] or None.
+    steps : (intervals, steps, ..., lanes), as `Step`.  At the start (intervals, lanes) of each,
+    sun : components of the unit vector, light : visible fraction, field : components [T] or None.
     """
 
     steps: Step
@@ -34,19 +34,23 @@ class AlongFlight(NamedTuple):
     field: tuple[Floats, ...] | None
 
 
-def along_flight(manoeuvre: Manoeuvre, steps: int) -> AlongFlight:
-    """Surroundings of one manoeuvre with so many steps an interval, without the axis of lanes."""
-    satellite, count = manoeuvre.satellite, manoeuvre.intervals * steps
-    step = manoeuvre.duration / count
-    halves = manoeuvre.start_time + 0.5 * step * np.arange(2 * count + 1)
+def along_flight(manoeuvre: Manoeuvre, intervals: int, steps: int) -> AlongFlight:
+    """Surroundings of one manoeuvre, without the axis of lanes.
+
+    intervals : how many of its intervals, from the first on; those after its end go on.
+    steps : Runge-Kutta steps an interval.
+    """
+    satellite, count = manoeuvre.satellite, intervals * steps
+    step = manoeuvre.step / steps
+    halves: Floats = manoeuvre.start_time + 0.5 * step * np.arange(2.0 * count + 1.0)
     along, sun, light = _surroundings(satellite, halves)
-    shape = (manoeuvre.intervals, steps)
+    shape = (intervals, steps)
     stages = (2 * np.arange(count)[:, None] + _STAGES).reshape(*shape, 4)
     weights = light_weights(
         lambda times: sunlight_at(satellite, times)[1], manoeuvre.start_time, step, count
     )
     middle = sun[1::2].reshape(*shape, 3)
-    every = slice(None, None, 2 * steps)
+    every = slice(0, -1, 2 * steps)
     field = along.field
     return AlongFlight(
         Step(
@@ -64,6 +68,12 @@ def stacked(parts: Sequence[AlongFlight]) -> AlongFlight:
     """Surroundings of several manoeuvres, one lane each."""
     together: AlongFlight = jax.tree.map(lambda *leaves: np.stack(leaves, axis=-1), *parts)
     return together
+
+
+def block_of(around: AlongFlight, first: int, count: int) -> AlongFlight:
+    """Surroundings of some intervals, from `first` on."""
+    block: AlongFlight = jax.tree.map(lambda leaf: leaf[first : first + count], around)
+    return block
 
 
 _evaluated = jax.jit(evaluate, static_argnames="tidal")
@@ -87,7 +97,12 @@ def _surroundings(satellite: Satellite, times: Floats) -> tuple[Along, Floats, F
         return Along(), *_without_orbit(satellite, len(times))
     along = _blockwise(satellite, times, surroundings=True)
     assert along.sun is not None and along.light is not None
-    return along, np.asarray(along.sun.array), np.asarray(along.light)
+    direction, light = np.asarray(along.sun.array), np.asarray(along.light)
+    if satellite.torques.solar_pressure is None:
+        along = along._replace(sun=None, light=None)
+    if float(satellite.orbit.sine) == 0.0:
+        along = along._replace(disturbance=None)
+    return along, direction, light
 
 
 def _without_orbit(satellite: Satellite, count: int) -> tuple[Floats, Floats]:

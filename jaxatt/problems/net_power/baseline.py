@@ -59,10 +59,7 @@ def fly_baseline(
     )
     aims = [_aims(manoeuvre, law) for manoeuvre in held]
     q_ib, rate = (np.stack(parts) for parts in zip(*aims, strict=True))
-    rows = Aim(
-        Quaternion(q_ib[..., 0], Vector(*np.moveaxis(q_ib[..., 1:], -1, 0))),
-        Vector(*np.moveaxis(rate, -1, 0)),
-    )
+    rows = Aim(Quaternion.of(q_ib), Vector.of(rate))
     return fly_steered(held, np.arange(len(held)), steering, rows, steps=steps)
 
 
@@ -75,7 +72,7 @@ def _resampled(manoeuvre: Manoeuvre, hold: float | None) -> Manoeuvre:
 def _aims(manoeuvre: Manoeuvre, law: PDBaseline) -> tuple[Floats, Floats]:
     """Attitude (N, 4) and rate (N, 3) [rad/s] that the law turns to in each interval."""
     satellite, end, count = manoeuvre.satellite, manoeuvre.end, manoeuvre.intervals
-    times = manoeuvre.start_time + manoeuvre.step * np.arange(count)
+    times: Floats = manoeuvre.start_time + manoeuvre.step * np.arange(float(count))
     reference = manoeuvre.start.q_ib
     if law.nearest_to == "end" and end is not None:
         reference = end.q_ib
@@ -85,7 +82,7 @@ def _aims(manoeuvre: Manoeuvre, law: PDBaseline) -> tuple[Floats, Floats]:
     rate = np.zeros((count, 3))
     if end is not None:
         # A node at the moment of turning back counts as after it, whatever rounding says.
-        left = manoeuvre.duration - manoeuvre.step * np.arange(count)
+        left = manoeuvre.duration - manoeuvre.step * np.arange(float(count))
         back = left <= law.turn_back + 1e-6 * manoeuvre.step
         q_ib[back], rate[back] = end.q_ib, end.omega_ib
     return q_ib, rate

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -70,7 +71,13 @@ class EnergyAccount:
         """Smallest charge at a node, (S,) [J]."""
         return self.charge.min(axis=1)
 
-    def pick(self, rows: slice | np.ndarray) -> EnergyAccount:
+    def pick(self, rows: Any) -> EnergyAccount:
         """The accounts of some of the flights."""
-        parts = (self.solar, self.wheels, self.magnetorquers, self.loads, self.start_charge)
-        return EnergyAccount(*(part[rows] for part in parts), self.capacity)
+        return EnergyAccount(
+            self.solar[rows],
+            self.wheels[rows],
+            self.magnetorquers[rows],
+            self.loads[rows],
+            self.start_charge[rows],
+            self.capacity,
+        )

@@ -8,12 +8,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.control.momentum_dumping import MomentumDumping
-from jaxatt.problems.net_power.along_flight import along_flight, stacked
+from jaxatt.problems.net_power.along_flight import (
+    AlongFlight,
+    along_flight,
+    block_of,
+    stacked,
+)
 from jaxatt.problems.net_power.energy import EnergyAccount
-from jaxatt.problems.net_power.flight_lanes import Plant, fly_lanes
+from jaxatt.problems.net_power.flight_lanes import BLOCK, Plant, Row, begin_lanes, fly_block
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import chunk_for, in_chunks
@@ -27,8 +33,19 @@ LEAST_STEPS = 20
 LONGEST_STEP = 0.5
 """[s]; at rates of tenths of a radian a second its error is far below any tolerance."""
 
-_ROWS = 32
+_ROWS = 16
 """Flights in one compiled call where each has surroundings of its own."""
+
+_AT_NODES = (
+    "q_ib",
+    "omega_ib",
+    "omega_bw",
+    "dipole",
+    "light",
+    "solar_power",
+    "wheel_power",
+    "magnetorquer_power",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,18 +125,19 @@ def fly_steered(
     rows : pytree with leading axes (S, N), the steering's own data of each interval.
     Others as in `fly_many`.
     """
-    of, first = np.asarray(of), manoeuvres[0]
+    of = np.asarray(of)
     steps = steps or max(steps_for(manoeuvre) for manoeuvre in manoeuvres)
+    count = _same_intervals(manoeuvres)
+    padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     shared = len(manoeuvres) == 1
-    once = stacked([along_flight(first, steps)]) if shared else None
-    plant = _plant(first)
+    once = [along_flight(manoeuvres[0], padded, steps)] if shared else None
+    plant = _plant(manoeuvres[0])
 
-    def run(lanes: dict[str, Any]) -> Any:
-        which = lanes["of"]
-        around = once or stacked([along_flight(manoeuvres[k], steps) for k in which])
-        chosen = [first] if shared else [manoeuvres[k] for k in which]
-        step = np.array([one.step / steps for one in chosen])
-        return fly_lanes(plant, steering, lanes, around, step)
+    def run(lanes: dict[str, Any]) -> dict[str, Floats]:
+        which = [0] if shared else list(lanes["of"])
+        around = stacked(once or [along_flight(manoeuvres[k], padded, steps) for k in which])
+        step = np.array([manoeuvres[k].step / steps for k in which])
+        return _flown(plant, steering, lanes, around, step, count)
 
     lanes = {
         "of": of,
@@ -127,13 +145,50 @@ def fly_steered(
             np.stack([np.asarray(getattr(manoeuvres[k].start, name), float) for k in of])
             for name in ("q_ib", "omega_ib", "omega_bw")
         ),
-        "rows": rows,
-        "dipole": () if dipole is None else tuple(np.moveaxis(np.asarray(dipole, float), -1, 0)),
+        "row": _padded(Row(rows, _components(dipole)), padded - count),
     }
     size = chunk_for(len(of)) if shared else min(_ROWS, chunk_for(len(of)))
-    key = ("net-power flight", first.intervals, steps, jax.tree.structure((plant, lanes)), shared)
-    found = in_chunks(run, lanes, size, key=key)
-    return _gathered(manoeuvres, of, found)
+    key = ("net-power flight", steps, shared, str(jax.tree.structure((plant, steering, lanes))))
+    return _gathered(manoeuvres, of, in_chunks(run, lanes, size, key=key))
+
+
+def _flown(
+    plant: Plant,
+    steering: Steering,
+    lanes: dict[str, Any],
+    around: AlongFlight,
+    step: Floats,
+    count: int,
+) -> dict[str, Floats]:
+    """Fly one chunk block by block; `count` intervals and their last node are kept."""
+    carried = begin_lanes(plant.powers.craft, *lanes["start"])
+    blocks = []
+    for first in range(0, count + 1, BLOCK):
+        row = jax.tree.map(lambda x, k=first: x[:, k : k + BLOCK], lanes["row"])
+        place = block_of(around, first, BLOCK)
+        carried, found = fly_block(plant, steering, carried, row, place, step)
+        blocks.append(jax.tree.map(np.asarray, found))
+    whole = {name: np.concatenate([one[name] for one in blocks], axis=1) for name in blocks[0]}
+    return {name: x[:, : count + (name in _AT_NODES)] for name, x in whole.items()}
+
+
+def _same_intervals(manoeuvres: Sequence[Manoeuvre]) -> int:
+    counts = {manoeuvre.intervals for manoeuvre in manoeuvres}
+    if len(counts) > 1:
+        raise ValueError(
+            f"intervals: manoeuvres flown together must have the same number, not {sorted(counts)}"
+        )
+    return counts.pop()
+
+
+def _components(dipole: Any) -> tuple[Floats, ...]:
+    return () if dipole is None else tuple(np.moveaxis(np.asarray(dipole, float), -1, 0))
+
+
+def _padded(row: Row, more: int) -> Row:
+    """The data with so many copies of the last interval behind it."""
+    longer: Row = jax.tree.map(lambda x: np.pad(x, ((0, 0), (0, more)), mode="edge"), row)
+    return longer
 
 
 def _plant(manoeuvre: Manoeuvre) -> Plant:
@@ -143,7 +198,8 @@ def _plant(manoeuvre: Manoeuvre) -> Plant:
     if management is not None:
         if craft.magnetorquers is None:
             raise ValueError("momentum: the vehicle has no magnetorquers to manage it with")
-        law = MomentumDumping(management.gain, np.asarray(management.wheel_speed), printed=True)
+        speed = jnp.asarray(management.wheel_speed)
+        law = MomentumDumping(management.gain, speed, printed=True)
         hold = momentum_hold(craft, craft.magnetorquers, law)
     powers = Powers(craft, satellite.light.irradiance, satellite.wheel_power)
     return Plant(powers, satellite.torques, hold)
@@ -166,13 +222,10 @@ def _gathered(
         np.array([one.charge for one in chosen]),
         math.inf if battery is None else float(battery.capacity),
     )
-    same = ("q_ib", "omega_ib", "omega_bw", "dipole", "light", "solar_power", "wheel_power")
     return PoweredFlight(
-        **{name: found[name] for name in same},
-        magnetorquer_power=found["magnetorquer_power"],
-        wheel_torque=found["torque"],
+        **{name: found[name] for name in (*_AT_NODES, "wheel_torque")},
         energy=energy,
-        fastest=found["fastest"],
-        strongest=found["strongest"],
+        fastest=found["fastest"].max(axis=1),
+        strongest=found["strongest"].max(axis=1),
         step=np.array([one.step for one in chosen]),
     )
