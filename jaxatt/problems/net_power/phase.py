@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,6 +15,7 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.net_power.flight import PoweredFlight
 from jaxatt.problems.net_power.found import Flown
+from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion, Satellite
 from jaxatt.problems.net_power.record import Energy, NetPower
 from jaxatt.records.phase import Phase
@@ -71,7 +73,7 @@ def series_of(manoeuvre: Manoeuvre, flight: PoweredFlight, row: int) -> dict[str
     return found
 
 
-def _relative(satellite: Satellite, times: Floats, q_ib: Floats) -> tuple[Floats, Floats]:
+def _relative(satellite: Satellite, times: Any, q_ib: Floats) -> tuple[Floats, Floats]:
     """Attitude q_ob (M, 4), and the orbit frame's rate (M, 3) [rad/s] in body axes."""
     around = satellite.orbit
     if around is None:
@@ -160,6 +162,7 @@ def phase_of(
             stationarity=float(solved.stationarity[best]),
             shadow=_shadow(manoeuvre.satellite, manoeuvre.start_time, duration),
             baseline=baseline_series(manoeuvre, baseline, duration),
+            baseline_errors=_errors(manoeuvre, baseline),
             final_time_free=free_time,
         ),
     )
@@ -171,3 +174,11 @@ def _shadow(satellite: Satellite, start: float, duration: float) -> tuple[Eclips
     if satellite.orbit is None:
         return ()
     return eclipses(satellite.orbit, satellite.light, start, start + duration)
+
+
+def _errors(manoeuvre: Manoeuvre, baseline: PoweredFlight | None) -> Mapping[str, float]:
+    """Errors of the PD law's flight at its end."""
+    if baseline is None:
+        return {}
+    errors = judge_flight(manoeuvre, baseline).errors
+    return {name: float(value[0]) for name, value in errors.items()}

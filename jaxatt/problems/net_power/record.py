@@ -65,9 +65,10 @@ class NetPower(Section):
     violation, stationarity : of the solver at the answer.
     shadow : passages through the Earth's shadow, in times since the epoch.
     baseline : name -> series of the PD law's flight, as the phase's own.
+    baseline_errors : name -> error of that flight at its end, as the phase's own.
     task, mode : of a plan; empty for a single manoeuvre.  site : (2,) [deg], latitude and longitude
     of a target on the ground; None without.
-    weights : k1 or k2 of the printed costs, for the report.
+    final_time_free : whether it was found with the rest.
     """
 
     energy: Energy
@@ -79,6 +80,7 @@ class NetPower(Section):
     stationarity: float
     shadow: tuple[Eclipse, ...]
     baseline: Mapping[str, Floats]
+    baseline_errors: Mapping[str, float]
     task: str = ""
     mode: str = ""
     site: Floats | None = None
