@@ -17,6 +17,8 @@ SPHERICAL_EARTH_RADIUS = 6.371e6
 SUN_RADIUS = 6.9634e8
 """Radius [m] of the sun, as Kristiansen (2023), table 5.5."""
 
+_DISK = 2.7  # radii of a disk over which a gradual rise is nearest to its share, within 0.02
+
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
@@ -50,10 +52,10 @@ def lit_share(shadow: Shadow, r_i: Array, to_sun: Array, width: Scalar = 0.0) ->
     """
     seen = shadow.disks(r_i, to_sun)
     if shadow.penumbra is None:
-        gradual = _step(seen.earth - seen.apart, width + 2.0 * seen.sun)
+        gradual = _step(seen.earth - seen.apart, width + _DISK * seen.sun)
         return jnp.where(jnp.asarray(width) > 0.0, 1.0 - gradual, seen.visible)
     half, full = _step(seen.into_penumbra, width), _step(seen.into_umbra, width)
-    return 1.0 - (1.0 - shadow.penumbra) * half - shadow.penumbra * full
+    return (1.0 - half) + shadow.penumbra * (half - full)
 
 
 def _step(angle: Array, width: Scalar) -> Array:

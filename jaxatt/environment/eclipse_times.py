@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from jaxatt.environment import epoch, kepler, orbit
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.light import Light, to_sun
 from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.settings import RUNS_ONCE
 
 _BLOCK = 1024  # instants of one evaluation
 _ROOTS = 32  # crossings of one bisection
@@ -60,10 +62,10 @@ def _depths(task: OrbitTask, light: Light, times: Array) -> Array:
     return jnp.stack([seen.into_penumbra, seen.into_umbra], axis=-1)
 
 
-_evaluated = jax.jit(_depths)
+_evaluated = jax.jit(_depths, compiler_options=RUNS_ONCE)
 
 
-@jax.jit
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
 def _bisected(task: OrbitTask, light: Light, low: Array, high: Array, row: Array) -> Array:
     """Times (m,) [s] at which a depth changes sign, between low and high (m,)."""
 

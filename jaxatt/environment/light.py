@@ -42,7 +42,7 @@ def to_sun(light: Light, r_i: Array, days: Array | float) -> Array:
     given = jnp.asarray(light.sun)
     size = norm(given)
     far = jnp.where(size < _DIRECTION, ASTRONOMICAL_UNIT / size, 1.0)
-    return given * far - r_i
+    return jnp.broadcast_to(given * far, r_i.shape) - r_i
 
 
 def sunlight(

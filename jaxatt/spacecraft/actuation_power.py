@@ -65,7 +65,6 @@ def magnetorquer_power(
     """
     dipole = jnp.asarray(dipole)
     if magnetorquers.full_power is not None:
-        used = magnitude(dipole, smoothing) / magnetorquers.dipole_limit
-        return jnp.sum(used, axis=-1) * magnetorquers.full_power / 3.0
-    loss = magnetorquers.loss_coefficient
-    return jnp.sum(dipole**2 * loss, axis=-1)
+        used = dot(magnitude(dipole, smoothing), 1.0 / jnp.asarray(magnetorquers.dipole_limit))
+        return used * magnetorquers.full_power / 3.0
+    return dot(dipole**2, magnetorquers.loss_coefficient)

@@ -11,6 +11,7 @@ from jaxatt.environment import epoch, gravity_gradient, sun
 from jaxatt.environment.aerodynamic_drag import Drag
 from jaxatt.environment.eddy_currents import EddyCurrents
 from jaxatt.environment.external import Along, ExternalTorques
+from jaxatt.environment.precession import precession
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 
@@ -100,10 +101,11 @@ def test_the_sum_is_the_sum_of_its_parts(rng):
     ],
 )
 def test_sun_at_equinoxes_and_solstices(moment, right_ascension, declination):
-    x, y, z = np.asarray(sun.sun_direction(jnp.asarray(epoch.days_since_j2000(moment))))
-    # The formulas are of the date's equinox to 0.02 deg, precession being neglected.
+    days = jnp.asarray(epoch.days_since_j2000(moment))
+    # The seasons belong to the equinox of the date.
+    x, y, z = np.asarray(precession(days) @ sun.sun_direction(days))
     turned = (np.rad2deg(np.arctan2(y, x)) - right_ascension + 180.0) % 360.0 - 180.0
-    assert abs(turned) < 0.05
+    assert abs(turned) < 0.02
     assert abs(np.rad2deg(np.arcsin(z)) - declination) < 0.02
 
 

@@ -10,6 +10,7 @@ import pytest
 from jaxatt.environment import epoch, igrf, kepler, orbit
 from jaxatt.environment.along_orbit import OrbitTask, evaluate
 from jaxatt.environment.external import ExternalTorques
+from jaxatt.environment.precession import earth_fixed
 
 field = jax.jit(igrf.field)
 
@@ -57,17 +58,8 @@ def test_field_agrees_with_ppigrf_over_a_day_of_orbit():
     task = OrbitTask(elements, 3.986e14, days, model(moment))
     along, nodes = jax.jit(evaluate, static_argnames="tidal")(task, ExternalTorques(), False, times)
     inertial = 1e9 * np.asarray(along.field.array)
-    angle = np.asarray(epoch.rotation_angle(days + times / 86400.0))
+    turn = np.asarray(earth_fixed(days + times / 86400.0))
     r_i, _ = orbit.propagate(*kepler.to_state(elements, 3.986e14), times, 3.986e14)
-    cos, sin, zero = np.cos(angle), np.sin(angle), np.zeros_like(angle)
-    turn = np.stack(
-        [
-            np.stack([cos, sin, zero], -1),
-            np.stack([-sin, cos, zero], -1),
-            np.broadcast_to([0.0, 0.0, 1.0], (len(angle), 3)),
-        ],
-        axis=1,
-    )
     fixed = np.einsum("kij,kj->ki", turn, np.asarray(r_i))
     # One date for the whole day: the field changes by less than 0.3 nT in it.
     expected = np.einsum("kji,kj->ki", turn, from_ppigrf(fixed, moment))

@@ -43,7 +43,7 @@ def test_wheels_make_up_for_missing_thrusters() -> None:
 
 
 def test_vehicle_needs_an_actuator() -> None:
-    with pytest.raises(FieldError, match="mount one or the other"):
+    with pytest.raises(FieldError, match="mount one of the three"):
         create(np.eye(3), None)
 
 

@@ -1,0 +1,82 @@
+"""Sun and Earth-fixed axes against astropy, in one inertial frame."""
+
+import datetime as dt
+import warnings
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from jaxatt.environment import epoch, sun
+from jaxatt.environment.precession import earth_fixed, precession
+
+DATES = [
+    dt.datetime(1990, 1, 1, tzinfo=dt.UTC) + dt.timedelta(days=float(days))
+    for days in np.random.default_rng(15).uniform(0.0, 60 * 365.25, 60)
+]
+DAYS = jnp.asarray([epoch.days_since_j2000(date) for date in DATES])
+
+
+@pytest.fixture(scope="module")
+def published():
+    """Position of the sun (n, 3) [m] and axes of the rotating Earth (n, 3, 3), both in GCRS."""
+    pytest.importorskip("astropy")
+    # Dates to come have no measured rotation; the warnings and the downloads are about that.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from astropy import units
+        from astropy.coordinates import GCRS, ITRS, CartesianRepresentation, get_sun
+        from astropy.time import Time
+        from astropy.utils.iers import conf
+
+        settings = {"auto_download": False, "auto_max_age": None}
+        settings["iers_degraded_accuracy"] = "ignore"
+        kept = {name: getattr(conf, name) for name in settings}
+        for name, value in settings.items():
+            setattr(conf, name, value)
+        try:
+            time = Time([date.replace(tzinfo=None) for date in DATES], scale="utc")
+            position = get_sun(time).cartesian.xyz.to_value(units.m).T
+            axes = []
+            for axis in np.eye(3):
+                parts = (np.full(len(DATES), part) * 7e6 * units.m for part in axis)
+                here = ITRS(CartesianRepresentation(*parts), obstime=time)
+                there = here.transform_to(GCRS(obstime=time))
+                axes.append(there.cartesian.xyz.to_value(units.m).T / 7e6)
+        finally:
+            for name, value in kept.items():
+                setattr(conf, name, value)
+    return position, np.stack(axes, axis=1)
+
+
+def angle(a, b):
+    """Angle [deg] between vectors."""
+    across = np.linalg.norm(np.cross(a, b), axis=-1)
+    return np.rad2deg(np.arctan2(across, np.sum(np.asarray(a) * np.asarray(b), axis=-1)))
+
+
+def test_direction_and_distance_of_the_sun(published):
+    expected, _ = published
+    found = np.asarray(sun.sun_position(DAYS))
+    assert angle(found, expected).max() < 0.012
+    np.testing.assert_allclose(
+        np.linalg.norm(found, axis=1), np.linalg.norm(expected, axis=1), rtol=1e-4
+    )
+    assert angle(sun.sun_direction(DAYS), found).max() < 1e-10
+
+
+def test_axes_of_the_rotating_earth(published):
+    _, expected = published
+    # The least that rows of a rotation matrix can differ by is what nutation and UT1 leave.
+    found = np.asarray(earth_fixed(DAYS))
+    for row in range(3):
+        assert angle(found[:, row], expected[:, row]).max() < 0.006
+
+
+def test_rotations_are_proper_and_start_at_j2000():
+    for turn in (precession(DAYS), earth_fixed(DAYS)):
+        np.testing.assert_allclose(
+            turn @ np.swapaxes(turn, -1, -2), np.broadcast_to(np.eye(3), turn.shape), atol=1e-14
+        )
+        np.testing.assert_allclose(np.linalg.det(turn), 1.0, atol=1e-14)
+    np.testing.assert_allclose(precession(jnp.asarray(0.0)), np.eye(3), atol=1e-10)
