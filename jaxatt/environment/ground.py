@@ -6,19 +6,16 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
-from jaxatt.attitude.vectors import broadcast_batch, cross, dot, norm
+from jaxatt.attitude.vectors import broadcast_batch, cross, dot, matvec, norm
+from jaxatt.environment import precession
 from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
-from jaxatt.environment.epoch import rotation_angle
 
 _FLAT = (POLAR_RADIUS / EQUATORIAL_RADIUS) ** 2  # 1 - e^2 of the meridian
 
 
 def earth_fixed(vector: ArrayLike, days: ArrayLike) -> jax.Array:
     """Components (..., 3) in Earth-fixed axes of an inertial vector; days (...) since J2000."""
-    x, y, z = jnp.moveaxis(jnp.asarray(vector), -1, 0)
-    angle = rotation_angle(jnp.asarray(days))
-    cos, sin = jnp.cos(angle), jnp.sin(angle)
-    return jnp.stack([cos * x + sin * y, cos * y - sin * x, z + 0.0 * angle], axis=-1)
+    return matvec(precession.earth_fixed(jnp.asarray(days)), vector)
 
 
 def vertical(latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:

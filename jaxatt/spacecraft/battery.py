@@ -44,12 +44,15 @@ def charge_along(battery: Battery, gained: Any, drawn: Any, start: Any = None) -
     start : () [J], charge before the first interval; the battery's own by default.
     A full battery takes no more.  An empty one goes below zero, which tells how much is missing.
     """
-    first = jnp.asarray(battery.charge if start is None else start)
-    change = jnp.cumsum(jnp.asarray(battery.net(gained, drawn)))
-    free = first + jnp.concatenate([jnp.zeros_like(change[:1]), change])
-    # What overflowed by then is the largest excess so far (the reflection of a queue).
-    excess = jnp.maximum(jax.lax.cummax(free - battery.capacity), 0.0)
-    return free - excess
+    changes = jnp.asarray(battery.net(gained, drawn))
+    first = jnp.asarray(battery.charge if start is None else start, changes.dtype)
+
+    def step(charge: jax.Array, change: jax.Array) -> tuple[jax.Array, jax.Array]:
+        charge = jnp.minimum(charge + change, battery.capacity)
+        return charge, charge
+
+    _, later = jax.lax.scan(step, first, changes)
+    return jnp.concatenate([first[None], later])
 
 
 def battery(

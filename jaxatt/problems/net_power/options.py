@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from jaxatt.problems.net_power.baseline import PDBaseline
 from jaxatt.problems.net_power.manoeuvre import Satellite
-from jaxatt.problems.net_power.plan.task import Plan
+from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.runtime.arrays import Floats
 
 
@@ -32,7 +32,9 @@ class NetPowerOptions:
     cost : "energy" or "mean-power", of which the most is wanted.
     wheel_speed_at_end : (n,) [rad/s], or None where the wheels may end with any.
     load : [W], of the other subsystems.  floor : [J], least charge of the battery.
-    baseline : PD law to compare with; None without.  plan : None for a single manoeuvre.
+    baseline : PD law to compare with; None without.
+    tasks : of a plan, in their order; empty for a single manoeuvre.  joint : whether they are
+    improved together after they were solved in sequence.
     """
 
     satellite: Satellite
@@ -44,4 +46,5 @@ class NetPowerOptions:
     wheel_speed_at_end: Floats | None = None
     load: float = 0.0
     floor: float = -math.inf
-    plan: Plan | None = None
+    tasks: tuple[Task, ...] = ()
+    joint: bool = False

@@ -1,8 +1,9 @@
-"""A plan as data: tasks that follow one another, and what holds for all of them."""
+"""A plan as data: tasks that follow one another."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -59,6 +60,8 @@ class Task:
     pose : with which the task begins, and at whose rate it goes on; None for a harvest, and for an
     idle that waits where it is.
     attitude_tolerance [rad], rate_tolerance [rad/s] : within which the task has to begin.
+    omega_bw : (n,) [rad/s], wheel speeds to begin with; None where any will do.
+    load : [W], of the other subsystems.
     site : place that must be in sight throughout; None where nothing is looked at.
     """
 
@@ -70,6 +73,8 @@ class Task:
     pose: Pose | None = None
     attitude_tolerance: float = math.radians(0.1)
     rate_tolerance: float = 1e-4
+    omega_bw: Floats | None = None
+    load: float = 0.0
     site: Site | None = None
 
     @property
@@ -83,26 +88,6 @@ class Task:
         return self.mode == HARVEST
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
-    """Tasks in their order, each beginning where the one before ends.
-
-    least_elevation : [rad], above the horizon of a site, that counts as in sight.
-    least_charge : [J], below which the battery must never fall; -inf without.
-    joint : whether the harvests are improved together after they were solved in sequence.
-    """
-
-    tasks: tuple[Task, ...]
-    least_elevation: float = 0.0
-    least_charge: float = -math.inf
-    joint: bool = True
-
-    @property
-    def duration(self) -> float:
-        """[s], of all tasks together."""
-        return self.tasks[-1].end
-
-    def goal(self, index: int) -> Task | None:
-        """The task in whose pose a harvest has to end; None where it may end anywhere."""
-        after = index + 1
-        return self.tasks[after] if after < len(self.tasks) else None
+def goal(tasks: Sequence[Task], index: int) -> Task | None:
+    """The task in whose pose a harvest has to end; None where it may end anywhere."""
+    return tasks[index + 1] if index + 1 < len(tasks) else None

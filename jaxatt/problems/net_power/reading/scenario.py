@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,10 @@ import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.net_power.options import NetPowerOptions
-from jaxatt.problems.net_power.orbit_frame import inertial_pose, orbit_frame
-from jaxatt.problems.net_power.plan.reading.plan import read_plan
-from jaxatt.problems.net_power.plan.sight import check_sights
-from jaxatt.problems.net_power.plan.task import Plan, Pose
+from jaxatt.problems.net_power.orbit_frame import inertial_pose
+from jaxatt.problems.net_power.plan.reading.plan import improved_jointly, read_tasks
+from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS
+from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.reading.objective import read_baseline, read_objective
 from jaxatt.problems.net_power.reading.satellite import read_satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
@@ -24,7 +25,6 @@ from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Horizon, Orbit, Scenario
-from jaxatt.problems.surroundings import elements_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -38,22 +38,27 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     craft = read_vehicle(document["vehicle"], origin, folder, notes)
     orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
     initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
-    plan = None
-    if "tasks" in document:
-        for name in ("target", "horizon", "limits"):
-            if name in document:
-                raise ScenarioError(f"{origin}: [{name}]: not beside [[tasks]]; drop it")
-        pose = inertial_pose(initial, initial_frame, orbit)
-        plan = _plan(document, origin, craft, orbit, pose, notes)
-    elif "plan" in document:
+    plan = "tasks" in document
+    if plan and "target" in document:
+        raise ScenarioError(f"{origin}: [target]: not beside [[tasks]], which have their own")
+    if "plan" in document and not plan:
         raise ScenarioError(f"{origin}: [plan]: there are no [[tasks]]; add some, or drop it")
-    horizon = _horizon(document, origin) if plan is None else _plan_horizon(plan)
+    horizon = _plan_horizon(document, origin) if plan else _horizon(document, origin)
     _check_actuators(origin, craft, horizon)
     objective, wheel_power, cost, weights = read_objective(
         document.get("objective", {}), origin, craft, horizon.free
     )
     longest = horizon.longest if horizon.free else horizon.duration
     satellite = read_satellite(document, origin, craft, orbit, wheel_power, longest)
+    tasks: tuple[Task, ...] = ()
+    if plan:
+        pose = inertial_pose(initial, initial_frame, satellite.orbit)
+        tasks = read_tasks(document, origin, satellite, notes, pose)
+        horizon = replace(
+            horizon,
+            duration=sum(task.duration for task in tasks),
+            intervals=sum(task.intervals for task in tasks),
+        )
     target, target_frame, speeds = None, "inertial", None
     if "target" in document:
         target, target_frame, speeds = _target(document["target"], origin, craft, orbit, notes)
@@ -80,7 +85,8 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
             wheel_speed_at_end=speeds,
             load=float(craft.loads.get("harvest", 0.0)),
             floor=_floor(document.get("limits", {}), origin, craft),
-            plan=plan,
+            tasks=tasks,
+            joint=plan and improved_jointly(document, origin),
         ),
     )
 
@@ -96,36 +102,6 @@ def _check_actuators(origin: str, craft: Spacecraft, horizon: Horizon) -> None:
             f'{origin}: [horizon] final_time: magnetorquers alone need it "free"; give shortest_s '
             "and longest_s"
         )
-
-
-def _plan(
-    document: dict[str, Any],
-    origin: str,
-    craft: Spacecraft,
-    orbit: Orbit | None,
-    initial: Pose,
-    notes: list[str],
-) -> Plan:
-    """Read the plan, and check that what it looks at is in sight."""
-    battery = craft.battery
-    capacity = None if battery is None else float(battery.capacity)
-    plan = read_plan(
-        document,
-        origin,
-        initial=initial,
-        days=None if orbit is None else orbit.days,
-        orbit=None if orbit is None else orbit_frame(orbit),
-        capacity=capacity if capacity is not None and math.isfinite(capacity) else None,
-        notes=notes,
-    )
-    if any(task.site is not None for task in plan.tasks):
-        if orbit is None or orbit.days is None:
-            raise ScenarioError(
-                f"{origin}: [[tasks]] target_deg: without [orbit] and its epoch nobody knows what "
-                "is in sight; add both, or drop the targets"
-            )
-        check_sights(plan, elements_of(orbit), orbit.gravitational_parameter, orbit.days, origin)
-    return plan
 
 
 def _horizon(document: dict[str, Any], origin: str) -> Horizon:
@@ -150,14 +126,14 @@ def _horizon(document: dict[str, Any], origin: str) -> Horizon:
     )
 
 
-def _plan_horizon(plan: Plan) -> Horizon:
-    """Horizon of a plan: all of its tasks."""
-    return Horizon(
-        duration=plan.duration,
-        intervals=sum(task.intervals for task in plan.tasks),
-        coast_intervals=0,
-        substeps=None,
-    )
+def _plan_horizon(document: dict[str, Any], origin: str) -> Horizon:
+    """Read the horizon of a plan, before its tasks say how long it is."""
+    table = Table(document.get("horizon", {}), origin, "[horizon]", NET_POWER_TABLES["horizon"])
+    for key in table.data:
+        if key not in HORIZON_KEYS:
+            table.fail(key, "the tasks have their own lengths", "drop it, or give step_s")
+    substeps = table.integer("substeps") if "substeps" in table else None
+    return Horizon(duration=0.0, intervals=0, coast_intervals=0, substeps=substeps)
 
 
 def _frame(table: Table, orbit: Orbit | None) -> str:

@@ -15,7 +15,7 @@ NET_POWER_TABLES: Mapping[str, tuple[str, ...]] = {
     "target": (*SPACECRAFT_TABLES["target"], "frame", "wheel_speed_rad_s"),
     "plan": PLAN_KEYS,
     "tasks": TASK_KEYS,
-    "horizon": SPACECRAFT_TABLES["horizon"],
+    "horizon": (*SPACECRAFT_TABLES["horizon"], "step_s"),
     "disturbances": ("gravity_gradient", "residual_dipole_Am2", "eddy_coefficient"),
     "magnetorquing": ("mode", "gain", "wheel_speed_rad_s"),
     "objective": (

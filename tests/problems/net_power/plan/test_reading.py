@@ -1,6 +1,6 @@
 """Plans are read and checked: times, attitudes, order, sight."""
 
-import copy
+import dataclasses
 import math
 import tomllib
 
@@ -8,27 +8,40 @@ import numpy as np
 import pytest
 
 from jaxatt.environment import epoch
-from jaxatt.problems.net_power.plan.reading.plan import read_plan
+from jaxatt.environment.along_orbit import OrbitTask
+from jaxatt.environment.light import Light
+from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.problems.net_power.plan.reading.plan import orbit_frame, read_tasks
 from jaxatt.problems.net_power.plan.reading.times import clock_text
-from jaxatt.problems.net_power.plan.sight import check_sights
-from jaxatt.problems.net_power.plan.task import Pose
+from jaxatt.problems.net_power.plan.task import Pose, angle_between, goal, product
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.settings import read_orbit
+from jaxatt.problems.reading.vehicles import load_vehicle
 from jaxatt.problems.surroundings import elements_of
 from jaxatt.scenarios import bundled
 
 DOCUMENT = tomllib.loads(bundled.text("hypso2-orbit"))
-ORBIT = read_orbit(DOCUMENT["orbit"], "test")
 START = Pose(np.array([0.0, 0.0, 1.0, 0.0]), np.array([-0.01, 0.02, 0.01]))
+CRAFT = load_vehicle("hypso1")
 
 
-def read(document, **changes):
-    options = {"initial": START, "days": ORBIT.days, "notes": [], **changes}
-    return read_plan(document, "test", **options)
+def satellite(table=None, craft=CRAFT):
+    """Satellite on an orbit as in the file; without one where the table is empty."""
+    table = DOCUMENT["orbit"] if table is None else table
+    if not table:
+        return Satellite(craft, Light(1361.0))
+    orbit = read_orbit(table, "test")
+    flown = OrbitTask(elements_of(orbit), orbit.gravitational_parameter, orbit.days)
+    return Satellite(craft, Light(1361.0), orbit=flown)
 
 
-def small(*tasks, **plan):
-    return {"plan": plan, "tasks": [dict(task) for task in tasks]}
+def read(document, table=None, **changes):
+    full = {"orbit": DOCUMENT["orbit"] if table is None else table, **document}
+    return read_tasks(full, "test", satellite(table), [], changes.get("initial", START))
+
+
+def small(*tasks, **horizon):
+    return {"horizon": horizon, "tasks": [dict(task) for task in tasks]}
 
 
 HARVEST = {"mode": "harvest", "duration_s": 100.0}
@@ -42,46 +55,38 @@ IMAGE = {
 
 
 def test_table_5_1():
-    plan = read(DOCUMENT)
-    assert len(plan.tasks) == 20
-    harvests = [task for task in plan.tasks if task.searched]
+    tasks = read(DOCUMENT)
+    assert len(tasks) == 20
+    harvests = [task for task in tasks if task.searched]
     assert [task.duration for task in harvests] == [
         100, 40, 60, 20, 310, 388, 4380, 40, 60, 304,
     ]  # fmt: skip
     assert [task.intervals for task in harvests] == [50, 20, 30, 10, 155, 194, 2190, 20, 30, 152]
-    assert plan.duration == 6576.0
+    assert tasks[-1].end == 6576.0
     # Printed quaternions have three digits: all are scaled to unit length.
-    for task in plan.tasks:
+    for task in tasks:
         if task.pose is not None:
             assert np.linalg.norm(task.pose.q_ib) == pytest.approx(1.0, abs=1e-15)
-    assert plan.goal(0).name == "Svalbard"
-    assert plan.goal(19) is None
+    assert goal(tasks, 0).name == "Svalbard"
+    assert goal(tasks, 19) is None
 
 
-def test_all_targets_of_table_5_1_are_in_sight():
-    check_sights(
-        read(DOCUMENT), elements_of(ORBIT), ORBIT.gravitational_parameter, ORBIT.days, "test"
-    )
-
-
-def test_as_printed_the_perigee_puts_them_out_of_sight():
-    changed = copy.deepcopy(DOCUMENT["orbit"])
-    changed["argument_of_periapsis_deg"] = 213.7547
-    orbit = read_orbit(changed, "test")
+def test_as_printed_the_perigee_puts_the_targets_out_of_sight():
+    printed = {**DOCUMENT["orbit"], "argument_of_periapsis_deg": 213.7547}
     with pytest.raises(ScenarioError, match=r'no. 2 "Svalbard" target_deg .* out of sight: .*-\d'):
-        check_sights(
-            read(DOCUMENT), elements_of(orbit), orbit.gravitational_parameter, orbit.days, "test"
-        )
+        read({"tasks": DOCUMENT["tasks"]}, printed)
 
 
 def test_sight_names_angle_and_time():
-    document = small(HARVEST, {**IMAGE, "target_deg": [0.0, 0.0]})
     with pytest.raises(ScenarioError) as error:
-        check_sights(
-            read(document), elements_of(ORBIT), ORBIT.gravitational_parameter, ORBIT.days, "test"
-        )
+        read(small(HARVEST, {**IMAGE, "target_deg": [0.0, 0.0]}))
     assert "deg above its horizon at 09:3" in str(error.value)
     assert "at least 0 deg are asked for" in str(error.value)
+    least = {**small(HARVEST, {**IMAGE, "target_deg": [78.0, 15.0]}), "plan": {}}
+    read(least)
+    least["plan"]["least_elevation_deg"] = 60.0
+    with pytest.raises(ScenarioError, match="at least 60 deg are asked for"):
+        read(least)
 
 
 @pytest.mark.parametrize(
@@ -109,8 +114,7 @@ def test_sight_names_angle_and_time():
         ),
         (small(HARVEST, IMAGE, {"mode": "idle", "duration_s": 5.0}), r"ends 0 deg and 0.754 deg/s"),
         (small(HARVEST, {**IMAGE, "target_deg": [98.0, 0.0]}), r"is no place on the Earth"),
-        (small(HARVEST, {**IMAGE, "frame": "orbit"}), r"there is no orbit"),
-        (small(HARVEST, least_charge_percent=20.0), r"the vehicle has no battery"),
+        (small(HARVEST, {**IMAGE, "load_W": -1.0}), r"load_W = -1.0: must be at least 0"),
         ({"tasks": []}, r"must be a list of tables"),
     ],
 )
@@ -119,24 +123,39 @@ def test_errors_name_the_task_and_the_mend(document, words):
         read(document)
 
 
-def test_floor_above_the_capacity():
-    document = small(HARVEST, least_charge_Wh=80.0)
-    with pytest.raises(ScenarioError, match="more than the capacity of 75 Wh"):
-        read(document, capacity=75 * 3600.0)
-    assert read(
-        small(HARVEST, least_charge_percent=40.0), capacity=100.0
-    ).least_charge == pytest.approx(40.0)
+def test_without_an_orbit():
+    with pytest.raises(ScenarioError, match="there is no orbit"):
+        read(small(HARVEST, {**IMAGE, "frame": "orbit"}), {})
+    with pytest.raises(ScenarioError, match="nobody knows where the Earth is"):
+        read(small(HARVEST, {**IMAGE, "target_deg": [60.0, 0.0]}), {})
+    with pytest.raises(ScenarioError, match="the plan has no epoch"):
+        read(small({"mode": "harvest", "end": "00:01:30"}), {})
+
+
+def test_loads_are_those_of_the_mode():
+    craft = dataclasses.replace(CRAFT, loads={"harvest": 13.5, "image": 29.5})
+    document = small(HARVEST, IMAGE, HARVEST, {**IMAGE, "load_W": 3.0})
+    tasks = read_tasks(document, "test", satellite({}, craft), [])
+    assert [task.load for task in tasks] == [13.5, 29.5, 13.5, 3.0]
 
 
 def test_orbit_frame_turns_with_the_orbit():
-    """An attitude in the orbit frame goes on turning with it."""
-    frame = Pose(np.array([0.6, 0.0, 0.8, 0.0]), np.array([0.0, -1e-3, 0.0]))
-    attitude = [math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0]  # about x: y of the orbit is -z of it
-    task = {"mode": "communicate", "frame": "orbit", "attitude_quaternion": attitude}
-    found = read(small(HARVEST, {**task, "duration_s": 9.0}), orbit=lambda time: frame).tasks[1]
-    np.testing.assert_allclose(found.pose.omega_ib, [0.0, 0.0, 1e-3], atol=1e-15)
-    expected = math.sqrt(0.5) * np.array([0.6, 0.6, 0.8, -0.8])
-    np.testing.assert_allclose(found.pose.q_ib, expected, atol=1e-15)
+    """The attitude of the orbit frame at the task's start, and its rate, which goes on."""
+    flown = satellite().orbit
+    task = {
+        "mode": "communicate",
+        "frame": "orbit",
+        "attitude_deg": [90.0, 0.0, 0.0],
+        "duration_s": 9.0,
+    }
+    pose = read(small(HARVEST, task))[1].pose
+    motion = np.sqrt(3.986e14 / 6905.1e3**3)
+    # After 90 deg about x, the orbit frame's y axis is the body's -z axis.
+    np.testing.assert_allclose(pose.omega_ib, [0.0, 0.0, motion], atol=3e-6)
+    later, now = orbit_frame(flown, 109.0), orbit_frame(flown, 100.0)
+    tilt = product(later.q_ib * np.array([1.0, -1.0, -1.0, -1.0]), pose.after(9.0).q_ib)
+    np.testing.assert_allclose(np.abs(tilt), [np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0], atol=1e-5)
+    assert angle_between(now.q_ib, later.q_ib) == pytest.approx(9.0 * motion, rel=3e-3)
 
 
 def test_a_pose_turns_about_its_body_axis():
@@ -148,9 +167,10 @@ def test_a_pose_turns_about_its_body_axis():
 
 
 def test_the_clock_goes_over_midnight():
-    days = epoch.days_since_j2000(epoch.parse("2023-03-14T23:59:00Z"))
+    table = {**DOCUMENT["orbit"], "epoch": "2023-03-14T23:59:00Z"}
+    days = epoch.days_since_j2000(epoch.parse(table["epoch"]))
     image = {key: value for key, value in IMAGE.items() if key != "duration_s"}
     document = small({"mode": "harvest", "end": "00:01:30"}, {**image, "end": "00:02:30"})
-    tasks = read(document, days=days).tasks
+    tasks = read(document, table)
     assert [task.duration for task in tasks] == [150.0, 60.0]
     assert clock_text(tasks[1].start, days) == "00:01:30"

@@ -1,39 +1,38 @@
-"""Read a plan: the tables [plan] and [[tasks]]."""
+"""Read the tasks of a plan, and check that they follow one another and see their places."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any
 
+from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.problems.net_power.orbit_frame import orbit_frame
 from jaxatt.problems.net_power.plan.reading.order import check_jumps, check_times
-from jaxatt.problems.net_power.plan.reading.schema import PLAN_KEYS
-from jaxatt.problems.net_power.plan.reading.tasks import OrbitFrame, read_task, task_table
+from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, PLAN_KEYS
+from jaxatt.problems.net_power.plan.reading.tasks import Setting, read_task, task_table
 from jaxatt.problems.net_power.plan.reading.times import clock_text
-from jaxatt.problems.net_power.plan.task import Plan, Pose
+from jaxatt.problems.net_power.plan.sight import check_sights
+from jaxatt.problems.net_power.plan.task import Pose, Task
 from jaxatt.problems.reading.fields import ScenarioError, Table
 
 _STEP = 2.0  # [s], of Kristiansen (2023), table 5.3
-_JOULE = 3600.0
 
 
-def read_plan(
-    document: dict[str, Any],
+def read_tasks(
+    document: Mapping[str, Any],
     origin: str,
-    *,
-    initial: Pose | None = None,
-    days: float | None = None,
-    orbit: OrbitFrame | None = None,
-    capacity: float | None = None,
+    satellite: Satellite,
     notes: list[str],
-) -> Plan:
-    """Read and check the plan of a scenario's document.
+    initial: Pose | None = None,
+) -> tuple[Task, ...]:
+    """Read and check the tasks of a scenario's document.
 
-    initial : attitude and rate at its start.  days : epoch, days since J2000; None without.
-    orbit : the orbit frame over time; None without an orbit.
-    capacity : [J], of the battery; None without one.
+    satellite : with its loads, and the orbit that it is on.
+    initial : attitude and rate at the plan's start; None where they do not matter.
     Raises `ScenarioError`, which names the task.
     """
-    table = Table(document.get("plan", {}), origin, "[plan]", PLAN_KEYS)
+    table = Table(document.get("horizon", {}), origin, "[horizon]", HORIZON_KEYS)
     horizon = table.number("horizon_s", above=0.0) if "horizon_s" in table else None
     step = table.number("step_s", _STEP, above=0.0)
     given = document.get("tasks")
@@ -41,10 +40,16 @@ def read_plan(
         raise ScenarioError(
             f"{origin}: tasks: must be a list of tables; write [[tasks]] with double brackets"
         )
+    flown = satellite.orbit
+    dated = document.get("orbit", {}).get("epoch") is not None
+    days = float(flown.days) if flown is not None and dated else None
+    frame = None if flown is None else lambda time: orbit_frame(flown, time)
+    setting = Setting(satellite.craft, step, days, frame)
     tables = [task_table(data, origin, index) for index, data in enumerate(given)]
-    tasks, before = [], 0.0
+    tasks: list[Task] = []
+    before = 0.0
     for inner in tables:
-        task = read_task(inner, before, step, days, orbit, notes)
+        task = read_task(inner, before, setting, notes)
         check_times(inner, task, before, horizon, days)
         tasks.append(task)
         before = task.end
@@ -55,30 +60,21 @@ def read_plan(
             'add a task of mode "harvest" or "idle", or drop the horizon',
         )
     check_jumps(tables, tasks, initial)
-    return Plan(
-        tuple(tasks),
-        least_elevation=math.radians(
-            table.number("least_elevation_deg", 0.0, at_least=-90.0, at_most=90.0)
-        ),
-        least_charge=_least_charge(table, capacity),
-        joint=table.flag("joint", True),
-    )
+    least = least_elevation(document, origin)
+    check_sights(tasks, None if days is None else flown, origin, least)
+    return tuple(tasks)
 
 
-def _least_charge(table: Table, capacity: float | None) -> float:
-    """Read the floor of the battery's charge [J]; -inf without."""
-    keys = [key for key in ("least_charge_percent", "least_charge_Wh") if key in table]
-    if not keys:
-        return -math.inf
-    if len(keys) > 1:
-        table.fail(keys[1], f"given beside {keys[0]}", "keep one of the two")
-    if capacity is None:
-        table.fail(keys[0], "the vehicle has no battery", "add [vehicle.battery], or drop it")
-    if keys[0] == "least_charge_percent":
-        return capacity * table.number(keys[0], at_least=0.0, at_most=100.0) / 100.0
-    floor = _JOULE * table.number(keys[0], at_least=0.0)
-    if floor > capacity:
-        table.fail(
-            keys[0], f"more than the capacity of {capacity / _JOULE:g} Wh", "give a lower floor"
-        )
-    return floor
+def least_elevation(document: Mapping[str, Any], origin: str) -> float:
+    """Read the elevation [rad] of the satellite that counts as in sight of a place."""
+    table = _plan_table(document, origin)
+    return math.radians(table.number("least_elevation_deg", 0.0, at_least=-90.0, at_most=90.0))
+
+
+def improved_jointly(document: Mapping[str, Any], origin: str) -> bool:
+    """Read whether the tasks are improved together after they were solved in sequence."""
+    return _plan_table(document, origin).flag("joint", True)
+
+
+def _plan_table(document: Mapping[str, Any], origin: str) -> Table:
+    return Table(document.get("plan", {}), origin, "[plan]", PLAN_KEYS)

@@ -20,16 +20,14 @@ TASK_KEYS = (
     "rate_deg_s",
     "attitude_tolerance_deg",
     "rate_tolerance_rad_s",
+    "wheel_speed_rad_s",
+    "load_W",
     "target_deg",
 )
 """Keys of [[tasks]]."""
 
-PLAN_KEYS = (
-    "horizon_s",
-    "step_s",
-    "least_elevation_deg",
-    "least_charge_percent",
-    "least_charge_Wh",
-    "joint",
-)
+PLAN_KEYS = ("least_elevation_deg", "joint")
 """Keys of [plan]."""
+
+HORIZON_KEYS = ("horizon_s", "step_s", "substeps")
+"""Keys of [horizon] that a plan has."""

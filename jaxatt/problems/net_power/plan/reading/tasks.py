@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,15 @@ from jaxatt.problems.net_power.plan.task import (
 from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft import Spacecraft
 
 OrbitFrame = Callable[[float], Pose]
 """Attitude q_io and rate omega_io, in orbit axes, of the orbit frame at a time [s]."""
 
 _WHOLE = 1e-6
 _HELD = ("frame", "rate_rad_s", "rate_deg_s", *ATTITUDE_KEYS)
+_BEGINS = ("attitude_tolerance_deg", "rate_tolerance_rad_s", "wheel_speed_rad_s")
 _ATTITUDES = ("inertial", "orbit")
 
 
@@ -40,33 +44,38 @@ def task_table(data: Any, origin: str, index: int) -> Table:
     return Table(data, origin, f"[[tasks]] no. {index + 1}{named}", TASK_KEYS)
 
 
-def read_task(
-    table: Table,
-    before: float,
-    step: float,
-    days: float | None,
-    orbit: OrbitFrame | None,
-    notes: list[str],
-) -> Task:
-    """Read one task.
+@dataclass(frozen=True)
+class Setting:
+    """What the tasks of a plan are read against.
 
-    before : [s], end of the task before.  step : [s], length of an interval unless it says
-    otherwise.  days : epoch, days since J2000.  orbit : None without an orbit.
-    Raises `ScenarioError`.
+    craft : whose loads and wheels count.  step : [s], length of an interval unless a task says
+    otherwise.  days : epoch, days since J2000; None without.  orbit : None without an orbit.
     """
+
+    craft: Spacecraft
+    step: float
+    days: float | None = None
+    orbit: OrbitFrame | None = None
+
+
+def read_task(table: Table, before: float, setting: Setting, notes: list[str]) -> Task:
+    """Read one task; before : [s], end of the task before.  Raises `ScenarioError`."""
     mode = table.choice("mode", MODES, HARVEST)
-    start, end = read_span(table, before, days)
+    start, end = read_span(table, before, setting.days)
+    craft = setting.craft
     return Task(
         name=table.text("name", mode),
         mode=mode,
         start=start,
         duration=end - start,
-        intervals=_intervals(table, end - start, step, notes),
-        pose=_pose(table, mode, start, orbit, notes),
+        intervals=_intervals(table, end - start, setting.step, notes),
+        pose=_pose(table, mode, start, setting.orbit, notes),
         attitude_tolerance=math.radians(
             table.number("attitude_tolerance_deg", 0.1, above=0.0, at_most=180.0)
         ),
         rate_tolerance=table.number("rate_tolerance_rad_s", 1e-4, above=0.0),
+        omega_bw=_speeds(table, craft),
+        load=table.number("load_W", float(craft.loads.get(mode, 0.0)), at_least=0.0),
         site=_site(table, mode),
     )
 
@@ -88,7 +97,7 @@ def _pose(
 ) -> Pose | None:
     """Read attitude and rate in inertial axes."""
     if mode == HARVEST:
-        for key in (*_HELD, "target_deg", "attitude_tolerance_deg", "rate_tolerance_rad_s"):
+        for key in (*_HELD, *_BEGINS, "target_deg"):
             if key in table:
                 table.fail(
                     key,
@@ -116,7 +125,7 @@ def _pose(
     return Pose(product(frame.q_ib, q), rate + turned)
 
 
-def _rate(table: Table, mode: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+def _rate(table: Table, mode: str) -> Floats:
     """Read the rate [rad/s]; zero without."""
     if "rate_deg_s" in table and "rate_rad_s" in table:
         table.fail("rate_deg_s", "given beside rate_rad_s", "keep one of the two")
@@ -125,6 +134,20 @@ def _rate(table: Table, mode: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     if mode in (COMMUNICATE, IDLE) and rate.any():
         table.fail(key, f"a task of this mode holds its attitude, only {IMAGE} turns", "drop it")
     return np.deg2rad(rate) if key == "rate_deg_s" else rate
+
+
+def _speeds(table: Table, craft: Spacecraft) -> Floats | None:
+    if "wheel_speed_rad_s" not in table:
+        return None
+    speeds = table.vector("wheel_speed_rad_s", craft.wheels.count)
+    limits = np.asarray(craft.wheels.speed_limit)
+    if (np.abs(speeds) > limits).any():
+        table.fail(
+            "wheel_speed_rad_s",
+            f"exceeds the speed limit {limits.tolist()} rad/s",
+            "choose slower wheels or raise [vehicle.wheels] speed_limit_rad_s",
+        )
+    return speeds
 
 
 def _site(table: Table, mode: str) -> Site | None:
