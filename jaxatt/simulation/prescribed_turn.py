@@ -51,6 +51,10 @@ class TurnedBody(NamedTuple):
             for k, (speed, share) in enumerate(zip(speeds, self.shares, strict=True))
         )
 
+    def taken(self, torque: Vector) -> tuple[Array, ...]:
+        """Torque of each wheel [N m] from that on all of them in body axes."""
+        return tuple(jnp.asarray(share.dot(torque)) for share in self.shares)
+
 
 def turned_body(craft: Spacecraft) -> TurnedBody:
     """Convert a vehicle to scalars."""
@@ -94,16 +98,21 @@ class Turning(NamedTuple):
         return q_ib.multiply(Quaternion(jnp.cos(half), self.omega * per_rate))
 
 
-class Carried(NamedTuple):
-    """State between two steps.
+class Turned(NamedTuple):
+    """State of a turn between two intervals.
 
-    Since the interval began: energies [J], and torque [N m], speed [rad/s] and dipole [A m^2] where
-    they were largest.
+    speeds : of the wheels [rad/s].  momentum : A Jw omega_bw [N m s].
     """
 
     q_ib: Quaternion
+    speeds: tuple[Array, ...]
     momentum: Vector
-    speeds: tuple[Array, ...]
+
+
+class TurnSpent(NamedTuple):
+    """Energies [J] of an interval, and torque [N m], speed [rad/s] and dipole [A m^2] where they
+    were largest."""
+
     solar: Array
     wheels: Array
     magnetorquers: Array
@@ -112,40 +121,25 @@ class Carried(NamedTuple):
     strongest: Vector
 
 
-class TurnInterval(NamedTuple):
-    """One row of a series: states at the end of an interval, and of the interval its energies [J],
-    and torque [N m], speed [rad/s] and dipole [A m^2] where they were largest."""
-
-    q_ib: Quaternion
-    speeds: tuple[Array, ...]
-    solar: Array
-    wheels: Array
-    magnetorquers: Array
-    torque: tuple[Array, ...]
-    fastest: tuple[Array, ...]
-    strongest: Vector
-
-
-def begin_turn(body: TurnedBody, q_ib: Quaternion, speeds: tuple[Array, ...]) -> Carried:
-    """State before the first step; speeds : (lanes,) [rad/s] of each wheel."""
-    zero = jnp.zeros_like(jnp.asarray(q_ib.eta))
-    none = Vector(zero, zero, zero)
-    still = tuple(zero for _ in speeds)
-    momentum = body.momentum(speeds, none)
-    return Carried(q_ib, momentum, speeds, zero, zero, zero, still, still, none)
+def begin_turn(body: TurnedBody, q_ib: Quaternion, speeds: tuple[Array, ...]) -> Turned:
+    """State before the first interval; speeds : (lanes,) [rad/s] of each wheel."""
+    return Turned(q_ib, speeds, body.momentum(speeds, q_ib.eps))
 
 
 def turn_interval(
-    turning: Turning, powers: Powers, carried: Carried, steps: Step, step: Array
-) -> tuple[Carried, TurnInterval]:
+    turning: Turning, powers: Powers, carried: Turned, steps: Step, step: Array
+) -> tuple[Turned, TurnSpent]:
     """Fly one interval; steps : leading axis of the steps.  step : (lanes,) or (1,) [s]."""
-    fresh = begin_turn(turning.body, carried.q_ib, carried.speeds)
+    zero = jnp.zeros_like(jnp.asarray(carried.q_ib.eta))
+    still = tuple(zero for _ in carried.speeds)
+    none = TurnSpent(zero, zero, zero, still, still, Vector(zero, zero, zero))
 
-    def advance(at: Carried, surroundings: Step) -> tuple[Carried, None]:
-        return _step(turning, powers, at, surroundings, step), None
+    def advance(
+        at: tuple[Turned, TurnSpent], around: Step
+    ) -> tuple[tuple[Turned, TurnSpent], None]:
+        return _step(turning, powers, *at, around, step), None
 
-    after, _ = lax.scan(advance, fresh, steps)
-    return after, TurnInterval(after.q_ib, *after[2:])
+    return lax.scan(advance, (carried, none), steps)[0]
 
 
 def momentum_after(
@@ -168,43 +162,33 @@ def momentum_after(
 
 
 def _step(
-    turning: Turning, powers: Powers, at: Carried, surroundings: Step, step: Array
-) -> Carried:
+    turning: Turning, powers: Powers, at: Turned, spent: TurnSpent, around: Step, step: Array
+) -> tuple[Turned, TurnSpent]:
     """Advance by one step and add what it earns and spends."""
-    after = momentum_after(turning, at.q_ib, at.momentum, surroundings.along, step)
-    change = after - at.momentum
-    shares = jnp.asarray(SHARES)[:, None]
-    middle = jax.tree.map(lambda x: x[1][None], surroundings.along)
-    rowed = turning._replace(omega=_row(turning.omega))
-    q_ib = rowed.turned(_row(at.q_ib), shares * step[None])
-    momentum = _row(at.momentum) + shares * _row(change)
-    torque = rowed.on_wheels(q_ib, momentum, middle)
     body = turning.body
-    taken = tuple(jnp.asarray(share.dot(torque)) for share in body.shares)
-    speeds = body.changed(tuple(s[None] for s in at.speeds), momentum - _row(at.momentum))
+    momentum = momentum_after(turning, at.q_ib, at.momentum, around.along, step)
+    change = momentum - at.momentum
+    after = Turned(
+        turning.turned(at.q_ib, step).normalized(), body.changed(at.speeds, change), momentum
+    )
+    # At the Gauss points of the step.
+    shares = jnp.asarray(SHARES)[:, None]
+    rowed = turning._replace(omega=_row(turning.omega))
+    middle = jax.tree.map(lambda x: x[1][None], around.along)
+    q_ib = rowed.turned(_row(at.q_ib), shares * step[None])
+    within = _row(at.momentum) + shares * _row(change)
+    taken = body.taken(rowed.on_wheels(q_ib, within, middle))
+    speeds = body.changed(_row(at.speeds), shares * _row(change))
+    moment = rowed.moment(q_ib, within, middle) or 0.0 * within
     weights = jnp.asarray(WEIGHTS)[:, None] * step[None]
-    sun_b = q_ib.rotate_inverse(_row(surroundings.sun))
-    moment = rowed.moment(q_ib, momentum, middle)
-    spent = at.magnetorquers
-    strongest = at.strongest
-    if moment is not None:
-        spent = spent + jnp.sum(weights * powers.magnetorquers(moment), axis=0)
-        strongest = strongest.map(
-            lambda most, m: jnp.maximum(most, jnp.max(jnp.abs(m), axis=0)), moment
-        )
-    return Carried(
-        q_ib=turning.turned(at.q_ib, step).normalized(),
-        momentum=after,
-        speeds=body.changed(at.speeds, change),
-        solar=at.solar + jnp.sum(surroundings.light * powers.solar(sun_b), axis=0),
-        wheels=at.wheels + jnp.sum(weights * powers.wheels(taken, speeds), axis=0),
-        magnetorquers=spent,
-        torque=tuple(_larger(most, each) for most, each in zip(at.torque, taken, strict=True)),
-        fastest=tuple(
-            jnp.maximum(most, jnp.max(jnp.abs(speed), axis=0))
-            for most, speed in zip(at.fastest, speeds, strict=True)
-        ),
-        strongest=strongest,
+    sun_b = q_ib.rotate_inverse(_row(around.sun))
+    return after, TurnSpent(
+        spent.solar + jnp.sum(around.light * powers.solar(sun_b), axis=0),
+        spent.wheels + jnp.sum(weights * powers.wheels(taken, speeds), axis=0),
+        spent.magnetorquers + jnp.sum(weights * powers.magnetorquers(moment), axis=0),
+        tuple(map(_larger, spent.torque, taken)),
+        tuple(jnp.abs(_larger(*both)) for both in zip(spent.fastest, speeds, strict=True)),
+        spent.strongest.map(lambda most, m: jnp.abs(_larger(most, m)), moment),
     )
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -13,18 +12,17 @@ import numpy as np
 from jax import Array, lax
 
 from jaxatt.attitude.components import Quaternion, Vector
-from jaxatt.problems.net_power.along_flight import AlongFlight, along_flight, stacked
-from jaxatt.problems.net_power.flight import PoweredFlight, gathered, plant_of
-from jaxatt.problems.net_power.flight_lanes import Plant
+from jaxatt.problems.net_power.along_flight import AlongFlight, along_flight, block_of, stacked
+from jaxatt.problems.net_power.flight import AT_NODES, PoweredFlight, gathered, plant_of
+from jaxatt.problems.net_power.flight_lanes import BLOCK, Plant
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import chunk_for, in_chunks
 from jaxatt.runtime.compilation import Routine
 from jaxatt.simulation.magnetic_action import HeldDipole
 from jaxatt.simulation.prescribed_turn import (
-    TurnedBody,
+    Turned,
     Turning,
-    TurnInterval,
     begin_turn,
     turn_interval,
     turned_body,
@@ -34,123 +32,112 @@ LONGEST_STEP = 0.25
 """[s], of the integration: imaging turns by a fifth of a degree in it."""
 
 _ROWS = 32
-_LENGTH = 128
-"""Numbers of intervals are rounded up to multiples of it, so that tasks share a program."""
+"""Tasks in one compiled call."""
 
 
-def fly_held(manoeuvres: Sequence[Manoeuvre], rates: Floats) -> PoweredFlight:
+def fly_held(manoeuvres: Sequence[Manoeuvre], rates: Any) -> PoweredFlight:
     """Fly tasks of one satellite and one number of intervals with prescribed attitudes.
 
     rates : (M, 3) [rad/s], in body axes, at which each body turns from its initial attitude on.
     A difference to the rate it starts with is taken up by the wheels at once.
-    In what is returned the wheel torque of an interval is where it was largest.
+    In what is returned the wheel torque of an interval is the one of the largest magnitude in it.
     """
     count = manoeuvres[0].intervals
-    longer = [_lengthened(one) for one in manoeuvres]
-    steps = max(4, math.ceil(max(one.step for one in longer) / LONGEST_STEP - 1e-9))
-    plant = plant_of(longer[0])
+    padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
+    steps = max(4, math.ceil(max(one.step for one in manoeuvres) / LONGEST_STEP - 1e-9))
+    plant = plant_of(manoeuvres[0])
 
-    def run(lanes: dict[str, Any]) -> Any:
+    def run(lanes: dict[str, Any]) -> dict[str, Floats]:
         which = lanes["of"].tolist()
-        once = {k: along_flight(longer[k], steps) for k in dict.fromkeys(which)}
-        step = np.array([longer[k].step / steps for k in which])
-        return _fly_lanes(plant, lanes, stacked([once[k] for k in which]), step)
+        once = {k: along_flight(manoeuvres[k], padded, steps) for k in dict.fromkeys(which)}
+        around = stacked([once[k] for k in which])
+        step = np.array([manoeuvres[k].step / steps for k in which])
+        return _flown(plant, lanes, around, step, count)
 
-    of = np.arange(len(longer))
-    names = ("q_ib", "omega_ib", "omega_bw")
+    of = np.arange(len(manoeuvres))
     lanes = {
         "of": of,
         "rate": np.asarray(rates, float),
         "start": tuple(
-            np.stack([np.asarray(getattr(one.start, name), float) for one in longer])
-            for name in names
+            np.stack([np.asarray(getattr(one.start, name), float) for one in manoeuvres])
+            for name in ("q_ib", "omega_ib", "omega_bw")
         ),
     }
-    key = ("net-power hold", longer[0].intervals, steps, jax.tree.structure((plant, lanes)))
+    key = ("net-power hold", steps, str(jax.tree.structure((plant, lanes))))
     found = in_chunks(run, lanes, min(_ROWS, chunk_for(len(of))), key=key)
-    return gathered(manoeuvres, of, _shortened(found, count))
+    return gathered(manoeuvres, of, found)
 
 
-def _lengthened(manoeuvre: Manoeuvre) -> Manoeuvre:
-    intervals = -(-manoeuvre.intervals // _LENGTH) * _LENGTH
-    return dataclasses.replace(manoeuvre, intervals=intervals, duration=intervals * manoeuvre.step)
+def _flown(
+    plant: Plant, lanes: dict[str, Any], around: AlongFlight, step: Floats, count: int
+) -> dict[str, Floats]:
+    """Fly one chunk block by block; `count` intervals and their last node are kept."""
+    carried = _begin_lanes(plant, lanes["rate"], *lanes["start"])
+    blocks = []
+    for first in range(0, count + 1, BLOCK):
+        place = block_of(around, first, BLOCK)
+        carried, found = _turn_block(plant, carried, lanes["rate"], place, step)
+        blocks.append(jax.tree.map(np.asarray, found))
+    whole = {name: np.concatenate([one[name] for one in blocks], axis=1) for name in blocks[0]}
+    return {name: x[:, : count + (name in AT_NODES)] for name, x in whole.items()}
 
 
-def _shortened(found: dict[str, Floats], count: int) -> dict[str, Floats]:
-    """Series of the first `count` intervals, and the extremes of speeds and dipoles over them."""
-    most = ("fastest", "strongest")
-    nodes = {"q_ib", "omega_ib", "omega_bw", "dipole", "light"}
-    nodes |= {name for name in found if name.endswith("_power")}
-    return {
-        name: values[:, : count + 1] if name in nodes else values[:, :count]
-        for name, values in found.items()
-        if name not in most
-    } | {name: found[name][:, :count].max(axis=1) for name in most}
-
-
-def _fly(plant: Plant, lanes: dict[str, Any], around: AlongFlight, step: Array) -> dict[str, Array]:
-    """Fly all lanes of a chunk; results lead with the lanes."""
+def _begin(plant: Plant, rate: Array, q_ib: Array, omega: Array, speeds: Array) -> Turned:
+    """State before the first interval, lanes last, from (lanes, ...)."""
     body = turned_body(plant.powers.craft)
-    q, omega, speeds = (jnp.asarray(part) for part in lanes["start"])
-    rate = Vector.of(lanes["rate"])
-    turning = Turning(body, plant.torques, plant.hold or HeldDipole(), rate)
-    taken_up = body.inertia @ (Vector.of(omega) - rate)
-    spinning = body.changed(tuple(jnp.moveaxis(speeds, -1, 0)), taken_up)
-    started = begin_turn(body, Quaternion.of(q).normalized(), spinning)
+    taken_up = body.inertia @ (Vector.of(omega) - Vector.of(rate))
+    spinning = body.changed(tuple(jnp.moveaxis(jnp.asarray(speeds), -1, 0)), taken_up)
+    return begin_turn(body, Quaternion.of(q_ib).normalized(), spinning)
 
-    def interval(carried: Any, steps: Any) -> Any:
-        return turn_interval(turning, plant.powers, carried, steps, step)
 
-    _, series = lax.scan(interval, started, around.steps)
-    nodes = TurnInterval(
-        *jax.tree.map(
-            lambda x, later: jnp.concatenate([x[None], later]),
-            (started.q_ib, started.speeds),
-            (series.q_ib, series.speeds),
-        ),
-        *series[2:],
-    )
-    return _series(plant, turning, body, nodes, around) | {
-        "torque": _lanes_first(series.torque),
-        "solar": series.solar.T,
-        "wheels": series.wheels.T,
-        "magnetorquers": series.magnetorquers.T,
-        "fastest": _lanes_first(series.fastest),
-        "strongest": _lanes_first(series.strongest.parts),
+def _turn(
+    plant: Plant, carried: Turned, rate: Array, around: AlongFlight, step: Array
+) -> tuple[Turned, dict[str, Array]]:
+    """Fly one block of intervals in all lanes; results, at the start of each, lead with lanes."""
+    body = turned_body(plant.powers.craft)
+    turning = Turning(body, plant.torques, plant.hold or HeldDipole(), Vector.of(rate))
+
+    def interval(at: Turned, steps: Any) -> Any:
+        after, spent = turn_interval(turning, plant.powers, at, steps, step)
+        return after, (at, spent)
+
+    last, (nodes, spent) = lax.scan(interval, carried, around.steps)
+    return last, _at_nodes(plant, turning, nodes, around) | {
+        "wheel_torque": _lanes_first(spent.torque),
+        "solar": spent.solar.T,
+        "wheels": spent.wheels.T,
+        "magnetorquers": spent.magnetorquers.T,
+        "fastest": _lanes_first(spent.fastest),
+        "strongest": _lanes_first(spent.strongest.parts),
     }
 
 
-_fly_lanes = Routine(_fly)
+_begin_lanes, _turn_block = Routine(_begin), Routine(_turn)
 
 
-def _series(
-    plant: Plant, turning: Turning, body: TurnedBody, nodes: TurnInterval, around: AlongFlight
+def _at_nodes(
+    plant: Plant, turning: Turning, nodes: Turned, around: AlongFlight
 ) -> dict[str, Array]:
-    """What is known at the nodes, lanes first."""
-    q_ib, speeds = nodes.q_ib, nodes.speeds
-    like = jnp.asarray(q_ib.eta)
-    rate = turning.omega.map(lambda x: jnp.broadcast_to(x, like.shape))
-    at_nodes = turning._replace(omega=rate)
-    momentum = body.momentum(speeds, rate)
-    # An interval's first stage is at its first node.
-    along = jax.tree.map(lambda x: jnp.concatenate([x[:, 0, 0], x[-1:, -1, 3]]), around.steps.along)
-    moment = at_nodes.moment(q_ib, momentum, along) or 0.0 * rate
-    light = jnp.broadcast_to(around.light, like.shape)
-    torque = at_nodes.on_wheels(q_ib, momentum, along)
-    taken = tuple(jnp.asarray(share.dot(torque)) for share in body.shares)
-    sun = Vector(*(jnp.asarray(x) for x in around.sun))
+    """Motion, dipole and powers at the start of each interval, lanes first."""
+    q_ib, speeds, momentum = nodes
+    rate = turning.omega.map(lambda x: jnp.broadcast_to(x, jnp.shape(q_ib.eta)))
+    rated = turning._replace(omega=rate)
+    along = jax.tree.map(lambda x: x[:, 0, 0], around.steps.along)
+    taken = turning.body.taken(rated.on_wheels(q_ib, momentum, along))
+    moment = rated.moment(q_ib, momentum, along) or 0.0 * rate
+    sun_b = q_ib.rotate_inverse(Vector(*(jnp.asarray(part) for part in around.sun)))
     return {
         "q_ib": _lanes_first((q_ib.eta, *q_ib.eps.parts)),
         "omega_ib": _lanes_first(rate.parts),
         "omega_bw": _lanes_first(speeds),
         "dipole": _lanes_first(moment.parts),
-        "light": light.T,
-        "solar_power": (light * plant.powers.solar(q_ib.rotate_inverse(sun))).T,
+        "light": jnp.asarray(around.light).T,
+        "solar_power": (jnp.asarray(around.light) * plant.powers.solar(sun_b)).T,
         "wheel_power": plant.powers.wheels(taken, speeds).T,
         "magnetorquer_power": plant.powers.magnetorquers(moment).T,
     }
 
 
 def _lanes_first(parts: Sequence[Any]) -> Array:
-    """Components of (nodes, lanes) or (lanes,) as (lanes, nodes, components)."""
+    """Components of (intervals, lanes) each as (lanes, intervals, components)."""
     return jnp.stack([jnp.asarray(part).T for part in parts], axis=-1)
