@@ -10,7 +10,8 @@ from jaxatt.problems.net_power.flight import PoweredFlight
 from jaxatt.problems.net_power.judge import SPEED_TOLERANCE, judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.plan.manoeuvre import asked_pose
-from jaxatt.problems.net_power.plan.task import Task, angle_between
+from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.pose import angle_between
 from jaxatt.problems.verdict import Verdict
 
 

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxatt.problems.net_power.manoeuvre import End, Manoeuvre, Motion, Satellite
-from jaxatt.problems.net_power.plan.task import Pose, Task, goal
+from jaxatt.problems.net_power.plan.task import Task, goal
+from jaxatt.problems.net_power.pose import Pose
 from jaxatt.runtime.arrays import Floats
 
 

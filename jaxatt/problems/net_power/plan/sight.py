@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxatt.environment import epoch, ground, kepler, orbit
 from jaxatt.environment.along_orbit import OrbitTask
-from jaxatt.problems.net_power.plan.reading.times import clock_text
+from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
