@@ -36,7 +36,7 @@ LONGEST_STEP = 0.5
 _ROWS = 16
 """Flights in one compiled call where each has surroundings of its own."""
 
-_AT_NODES = (
+AT_NODES = (
     "q_ib",
     "omega_ib",
     "omega_bw",
@@ -131,7 +131,7 @@ def fly_steered(
     padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     shared = len(manoeuvres) == 1
     once = [along_flight(manoeuvres[0], padded, steps)] if shared else None
-    plant = _plant(manoeuvres[0])
+    plant = plant_of(manoeuvres[0])
 
     def run(lanes: dict[str, Any]) -> dict[str, Floats]:
         which = [0] if shared else list(lanes["of"])
@@ -149,7 +149,7 @@ def fly_steered(
     }
     size = chunk_for(len(of)) if shared else min(_ROWS, chunk_for(len(of)))
     key = ("net-power flight", steps, shared, str(jax.tree.structure((plant, steering, lanes))))
-    return _gathered(manoeuvres, of, in_chunks(run, lanes, size, key=key))
+    return gathered(manoeuvres, of, in_chunks(run, lanes, size, key=key))
 
 
 def _flown(
@@ -169,7 +169,7 @@ def _flown(
         carried, found = fly_block(plant, steering, carried, row, place, step)
         blocks.append(jax.tree.map(np.asarray, found))
     whole = {name: np.concatenate([one[name] for one in blocks], axis=1) for name in blocks[0]}
-    return {name: x[:, : count + (name in _AT_NODES)] for name, x in whole.items()}
+    return {name: x[:, : count + (name in AT_NODES)] for name, x in whole.items()}
 
 
 def _same_intervals(manoeuvres: Sequence[Manoeuvre]) -> int:
@@ -191,7 +191,8 @@ def _padded(row: Row, more: int) -> Row:
     return longer
 
 
-def _plant(manoeuvre: Manoeuvre) -> Plant:
+def plant_of(manoeuvre: Manoeuvre) -> Plant:
+    """What flies in a manoeuvre, as the flights need it."""
     satellite = manoeuvre.satellite
     craft, management = satellite.craft, satellite.momentum
     hold = None
@@ -205,10 +206,10 @@ def _plant(manoeuvre: Manoeuvre) -> Plant:
     return Plant(powers, satellite.torques, hold)
 
 
-def _gathered(
+def gathered(
     manoeuvres: Sequence[Manoeuvre], of: np.ndarray, found: dict[str, Floats]
 ) -> PoweredFlight:
-    """The flights with their accounts, the loads included."""
+    """Flights with their accounts, the loads included; found : series as of `flight_lanes`."""
     first = manoeuvres[0]
     chosen = [manoeuvres[k] for k in of]
     battery = first.satellite.craft.battery
@@ -223,7 +224,7 @@ def _gathered(
         math.inf if battery is None else float(battery.capacity),
     )
     return PoweredFlight(
-        **{name: found[name] for name in (*_AT_NODES, "wheel_torque")},
+        **{name: found[name] for name in (*AT_NODES, "wheel_torque")},
         energy=energy,
         fastest=found["fastest"].max(axis=1),
         strongest=found["strongest"].max(axis=1),

@@ -8,7 +8,7 @@ import numpy as np
 from jaxatt.environment import frames, kepler, orbit
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.problems.net_power.plan.task import Pose, product
+from jaxatt.problems.net_power.pose import Pose, product
 from jaxatt.runtime.arrays import Floats
 
 

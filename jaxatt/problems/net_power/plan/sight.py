@@ -12,7 +12,7 @@ import numpy as np
 
 from jaxatt.environment import epoch, ground, kepler, orbit
 from jaxatt.environment.along_orbit import OrbitTask
-from jaxatt.problems.net_power.plan.reading.times import clock_text
+from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
@@ -44,8 +44,8 @@ def check_sights(tasks: Sequence[Task], flown: OrbitTask | None, origin: str, le
         raise ScenarioError(
             f"{where}is out of sight: the satellite stands {math.degrees(angles[worst]):.1f} deg "
             f"above its horizon at {clock_text(times[worst], days)} and at most "
-            f"{math.degrees(angles[best]):.1f} deg at {clock_text(times[best], days)}, where at least "
-            f"{math.degrees(least):g} deg are asked for; move the task in time, or "
+            f"{math.degrees(angles[best]):.1f} deg at {clock_text(times[best], days)}, where at "
+            f"least {math.degrees(least):g} deg are asked for; move the task in time, or "
             "check the target and the orbit's epoch"
         )
 

@@ -11,9 +11,10 @@ from jaxatt.environment import epoch
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.light import Light
 from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.reading.plan import orbit_frame, read_tasks
-from jaxatt.problems.net_power.plan.reading.times import clock_text
-from jaxatt.problems.net_power.plan.task import Pose, angle_between, goal, product
+from jaxatt.problems.net_power.plan.task import goal
+from jaxatt.problems.net_power.pose import Pose, angle_between, product
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.reading.vehicles import load_vehicle

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from jaxatt.problems.net_power.plan.reading.times import clock_text
-from jaxatt.problems.net_power.plan.task import Pose, Task, angle_between
+from jaxatt.problems.net_power.plan.clock import clock_text
+from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.pose import Pose, angle_between
 from jaxatt.problems.reading.fields import Table
 
 _SAME = 1e-6

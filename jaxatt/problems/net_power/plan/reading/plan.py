@@ -8,12 +8,13 @@ from typing import Any
 
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.orbit_frame import orbit_frame
+from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.reading.order import check_jumps, check_times
 from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, PLAN_KEYS
 from jaxatt.problems.net_power.plan.reading.tasks import Setting, read_task, task_table
-from jaxatt.problems.net_power.plan.reading.times import clock_text
 from jaxatt.problems.net_power.plan.sight import check_sights
-from jaxatt.problems.net_power.plan.task import Pose, Task
+from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.pose import Pose
 from jaxatt.problems.reading.fields import ScenarioError, Table
 
 _STEP = 2.0  # [s], of Kristiansen (2023), table 5.3

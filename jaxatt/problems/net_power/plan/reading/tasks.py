@@ -17,11 +17,10 @@ from jaxatt.problems.net_power.plan.task import (
     IDLE,
     IMAGE,
     MODES,
-    Pose,
     Site,
     Task,
-    product,
 )
+from jaxatt.problems.net_power.pose import Pose, product
 from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import ATTITUDE_KEYS

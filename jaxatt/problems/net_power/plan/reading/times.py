@@ -37,16 +37,6 @@ def read_span(table: Table, before: float, days: float | None) -> tuple[float, f
     return start, end
 
 
-def clock_text(time: float, days: float | None) -> str:
-    """Text of an instant [s] since the epoch, for messages and tables: by the clock if there is
-    one."""
-    if days is None:
-        return f"{time:g} s"
-    moment = J2000 + dt.timedelta(days=days) + dt.timedelta(seconds=time)
-    rounded = (moment + dt.timedelta(milliseconds=500)).replace(microsecond=0)
-    return f"{rounded:%H:%M:%S}"
-
-
 def _one_of(table: Table, keys: tuple[str, ...]) -> None:
     given = [key for key in keys if key in table]
     if len(given) > 1:

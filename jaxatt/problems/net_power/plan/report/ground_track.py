@@ -15,7 +15,13 @@ from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.problems.net_power.plan.report.course import Course
 from jaxatt.problems.net_power.plan.report.timeline import SHADOW
 from jaxatt.problems.net_power.plan.sight import positions_over_ground
-from jaxatt.problems.net_power.plan.task import COMMUNICATE, HARVEST, IDLE, IMAGE, Task
+from jaxatt.problems.net_power.plan.task import (
+    COMMUNICATE,
+    HARVEST,
+    IDLE,
+    IMAGE,
+    Task,
+)
 from jaxatt.runtime.arrays import Floats
 
 COLOURS = {HARVEST: "#C9A227", IMAGE: "#009E73", COMMUNICATE: "#0072B2", IDLE: "#888888"}

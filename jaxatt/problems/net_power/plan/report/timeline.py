@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from jaxatt.drawing.figure import Picture, colour, picture, tidy
 from jaxatt.drawing.panels import limits, lines, runs
 from jaxatt.environment.epoch import SECONDS_PER_DAY
-from jaxatt.problems.net_power.plan.reading.times import clock_text
+from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.report.course import Course
 from jaxatt.problems.net_power.plan.task import COMMUNICATE, HARVEST, IDLE, IMAGE
 from jaxatt.runtime.arrays import Floats
