@@ -8,6 +8,7 @@ from typing import NamedTuple
 import jax
 from jax import Array
 
+from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.spacecraft.panels import SolarPanels
 
@@ -32,11 +33,11 @@ class WheelStage(NamedTuple):
 class Management:
     """Law of the magnetorquers that manage the wheels' momentum.
 
-    gain : () [A/(T s)... as k_m of (5.14)].  kept : (3,) [N m s], momentum A Jw omega_bw to keep.
+    law : of the dipole.  kept : (3,) [N m s], momentum A Jw omega_bw to keep.
     dipole_limit : (3,) [A m^2].
     """
 
-    gain: Array
+    law: MomentumDumping
     kept: Array
     dipole_limit: Array
 
@@ -63,10 +64,12 @@ class WheelsParameters:
     panels : of the vehicle.  smoothing : () alpha of (2.11).
     step : () [s], length of an interval.  stages : leading axis N.
     torques : external.  management : law of the magnetorquers.
-    dipole_limit : (3,) [A m^2].  dipole_price : () [W/(A m^2)] and rounding : () [A m^2] of the
-        magnitude in it.
+    dipole_limit : (3,) [A m^2].  dipole_price : (3,) [W/(A m^2)] of magnitudes, dipole_loss : (3,)
+        [W/(A m^2)^2] of squares, and rounding : () [A m^2] of the magnitudes.
     reference, reference_rate : (4,), (3,) [rad/s] to end in; the quaternion's sign picks the way.
-    reference_stored : coordinates of the wheels at the end.
+    reference_stored : (k,), coordinates of the wheels at the end; end_rows : (r, k), what of them
+        is asked for.
+    spread : (3, 3), inverse of A A'.
     attitude_weight, rate_weight : () [J], [J s^2] of (3.5).
     load : () [W].  floor : () charge over `energy_scale`.
     last_shone : () [J/m^2] and last_sun : (3,), of the last node.
@@ -96,10 +99,13 @@ class WheelsParameters:
     management: Management | None
     dipole_limit: Array
     dipole_price: Array
+    dipole_loss: Array
     rounding: Array
     reference: Array
     reference_rate: Array
     reference_stored: Array
+    end_rows: Array
+    spread: Array
     attitude_weight: Array
     rate_weight: Array
     load: Array

@@ -32,6 +32,14 @@ def times(factor: Array | float, v: Components) -> Components:
     return factor * v[0], factor * v[1], factor * v[2]
 
 
+def multiplied(p: Components, q: Components) -> Components:
+    """Product of two quaternions."""
+    u, v = p[1:], q[1:]
+    w = p[0] * q[0] - u[0] * v[0] - u[1] * v[1] - u[2] * v[2]
+    crossed = cross(u, v)
+    return w, *(p[0] * v[i] + q[0] * u[i] + crossed[i] for i in range(3))
+
+
 def increment(turn: Components) -> Components:
     """Unit quaternion of a rotation vector of at most about one turn, by its Taylor series.
 
