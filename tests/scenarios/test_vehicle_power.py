@@ -10,7 +10,7 @@ from jaxatt.problems.reading.light import read_light
 from jaxatt.problems.reading.magnetic_field import field_of
 from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.scenarios import ScenarioError, load_vehicle
+from jaxatt.scenarios import ScenarioError, load_vehicle, vehicle_names
 
 VEHICLE = {
     "inertia_kgm2": [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
@@ -76,6 +76,15 @@ def test_vehicles_without_power_are_as_before():
     craft = load_vehicle("hypso1")
     assert craft.panels is None and craft.battery is None and craft.loads == {}
     assert (craft.wheels.efficiency, craft.wheels.regeneration) == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("name", vehicle_names())
+def test_bundled_vehicles_are_complete(name):
+    craft = load_vehicle(name)
+    assert craft.name == name
+    alone = craft.wheels.count == 0 and craft.thrusters.count == 0
+    assert alone == (name == "hypso1-magnetic")
+    assert (craft.panels is not None) == (name in ("hypso1-solar", "hypso2", "hypso1-magnetic"))
 
 
 def test_bundled_vehicle_with_an_override():
