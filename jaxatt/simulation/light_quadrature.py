@@ -34,7 +34,7 @@ def parts_for(step: float) -> int:
     return min(_MOST, math.ceil(step / _PART - 1e-9))
 
 
-def shares(points: int) -> Floats:
+def shares_of(points: int) -> Floats:
     """Gauss points of a step with so many of them, in shares of it."""
     parts = points // 2
     found: Floats = ((np.arange(float(parts))[:, None] + _POINTS) / parts).ravel()

@@ -17,7 +17,7 @@ from jaxatt.attitude.components import Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.dense_step import Dipole, Stages, between, end, stages
-from jaxatt.simulation.light_quadrature import shares
+from jaxatt.simulation.light_quadrature import shares_of
 from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.rigid_step import Motion
 from jaxatt.simulation.wheeled_body import WheeledBody
@@ -115,7 +115,7 @@ def _within(
     step: Array,
     points: int,
 ) -> _Points:
-    at = jnp.asarray(shares(points))
+    at = jnp.asarray(shares_of(points))
     passed = at[:, None] * step[None]
     motion = between(course, step, at)
     return _Points(

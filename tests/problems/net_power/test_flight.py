@@ -16,7 +16,7 @@ from jaxatt.problems.net_power.flight import fly, fly_many
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion
 from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
 from jaxatt.problems.reading.vehicles import load_vehicle
-from jaxatt.simulation.light_quadrature import light_weights, shares
+from jaxatt.simulation.light_quadrature import light_weights, shares_of
 
 SOLAR = 1e-6
 """Allowed relative difference of the solar energies."""
@@ -199,7 +199,7 @@ def test_weights_of_the_light_integrate_across_its_edges():
     steps, step = 3, 1.0
     halves = 0.5 * step * np.arange(2 * steps + 1)
     weights = light_weights(light, light(halves), 0.0, step, 4)
-    points = step * (np.arange(steps)[:, None] + shares(8))
+    points = step * (np.arange(steps)[:, None] + shares_of(8))
     dense = (np.arange(3_000_000) + 0.5) * 1e-6
     for power in (0, 1):
         exact = np.sum(light(dense) * dense**power) * 1e-6
