@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxatt.attitude.components import Quaternion, Vector
-from jaxatt.problems.net_power.along_flight import sunlight_at
 from jaxatt.problems.net_power.flight import PoweredFlight, fly_steered
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
 from jaxatt.problems.net_power.sun_attitude import sun_attitude
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.steering import Aim, HeldPD
