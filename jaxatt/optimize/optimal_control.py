@@ -36,12 +36,16 @@ class Linearisation(NamedTuple):
     gap : (n,), the next state that the dynamics give less the one that there is.
     dynamics : (n, n + b), derivatives of the gap.  cost : (n + b,), those of the cost.
     kept : whatever the second derivatives of the same stage can use again.
+    path, path_slope : (p,) and (p, n + b), inequalities of the stage and their derivatives; None
+    where they are left to differentiation.
     """
 
     gap: Array
     dynamics: Array
     cost: Array
     kept: Any = ()
+    path: Array | None = None
+    path_slope: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +115,8 @@ class OptimalControlProgram:
     linearisation : (x, u, x_next, stage, args) -> `Linearisation`, exact; lagrangian_hessian : (x,
         u, x_next, stage, args, costate, kept) -> (n + b, n + b), Hessian of cost + costate . gap,
         exact or nearly so, `kept` from the linearisation; without them they are differentiated.
+    path_hessian : (x, u, stage, args, dual, kept) -> (n + b, n + b), Hessian of dual . inequality,
+        exact or nearly so; without it that is differentiated.
     linearise : (x, u, x_next, stage, args) -> (n, n + b), derivatives of the next error state with
         respect to error state and controls; exact or nearly so.
     moved : (x, u, stage, args) -> `dynamics` and `cost` in one, where that is cheaper.
@@ -139,6 +145,7 @@ class OptimalControlProgram:
     free_start: int = 0
     linearisation: Callable[[Array, Array, Array, Any, Any], Linearisation] | None = None
     lagrangian_hessian: Callable[[Array, Array, Array, Any, Any, Array, Any], Array] | None = None
+    path_hessian: Callable[[Array, Array, Any, Any, Array, Any], Array] | None = None
     linearise: Callable[[Array, Array, Array, Any, Any], Array] | None = None
     moved: Callable[[Array, Array, Any, Any], tuple[Array, Array]] | None = None
     flight: Callable[[Array, Array, Any, Any, int], Array] | None = None

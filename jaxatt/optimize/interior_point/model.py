@@ -143,12 +143,14 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
         x: Array, x_next: Array, u: Array, held: Array, dual: Array, stage: Any
     ) -> tuple[Any, ...]:
         found = linearisation(program, x, u, x_next, stage, args)
-        margins = inequality(at, x, u, stage)
+        margins = inequality(at, x, u, stage) if found.path is None else found.path
         missed = equality(at, x, u, stage)
         slope = equality_slope = jnp.zeros((0, n + size), dtype)
         by_cost = found.cost
         if margins.shape[0]:
-            slope = jax.jacfwd(inequality)(at, x, u, stage)
+            slope = found.path_slope
+            if slope is None:
+                slope = jax.jacfwd(inequality)(at, x, u, stage)
             by_cost = by_cost - jnp.sum(dual[:, None] * slope, axis=0)
         if missed.shape[0]:
             equality_slope = jax.jacfwd(equality)(at, x, u, stage)
@@ -180,7 +182,9 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
         stage: Any,
     ) -> Array:
         hessian = lagrangian_hessian(program, x, u, x_next, stage, args, costate, kept)
-        if dual.shape[0]:
+        if dual.shape[0] and program.path_hessian is not None:
+            hessian = hessian - program.path_hessian(x, u, stage, args, dual, kept)
+        elif dual.shape[0]:
             hessian = hessian - _bent(lambda z: jnp.sum(dual * inequality(z, x, u, stage)), at)
         if held.shape[0]:
             hessian = hessian + _bent(lambda z: jnp.sum(held * equality(z, x, u, stage)), at)

@@ -1,0 +1,135 @@
+"""Programme of a manoeuvre with wheels in fixed time: as much net energy as can be had.
+
+    minimise  - sum of  shone_k area(q_k)  + sum of h m_k / E
+
+over scaled wheel torques and, where power is a magnitude, over magnitudes m_k >= taken p_k, m_k >=
+- returned p_k of the wheels' mean power p_k in an interval, rather than a rounded corner.  The sun
+is weighed at the nodes by the trapezoidal rule, whose error for manoeuvres from rest to rest is of
+fourth order.  "signed" power (4.6) is an exact difference of energy, so it is paid at the end.
+
+Source: Kristiansen (2023), eqs. (4.9), (5.11), with the readings of its chapters 4 and 5.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.attitude.state_manifold import difference, retract
+from jaxatt.optimize.optimal_control import OptimalControlProgram
+from jaxatt.problems.net_power.wheels import coordinates as at
+from jaxatt.problems.net_power.wheels.derivatives import IntervalDerivatives
+from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.interval import Motion, motion
+from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
+from jaxatt.problems.net_power.wheels.sunlight import collected
+from jaxatt.problems.net_power.wheels.turn import multiplied
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
+from jaxatt.simulation.momentum_model import to_body
+
+
+@functools.cache
+def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
+    """Programme of a form, of `WheelsParameters`."""
+    closed = IntervalDerivatives(form)
+
+    def moved(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> tuple[Array, Array]:
+        found = motion(at.course(x, u, p, form), p.step, stage.along, p, form)
+        cost = spent(x, u, stage, p, found)
+        controls = at.split(u, form)
+        y = at.stored(x, form) + p.step * at.product(p.to_stored, controls.scaled)
+        parts = [jnp.stack(multiplied(at.quaternion(x), found.turn)), y]
+        if form.torqued:
+            first = 4 + form.stored
+            parts.append(x[first : first + 3] + jnp.stack(found.push) / p.momentum_scale)
+        if form.charge:
+            parts.append((x[-1] - cost - p.step * p.load / p.energy_scale)[None])
+        effort = p.step * p.effort / p.energy_scale * jnp.sum(controls.scaled**2)
+        return jnp.concatenate(parts), cost + effort
+
+    def spent(x: Array, u: Array, stage: WheelStage, p: WheelsParameters, found: Motion) -> Array:
+        controls = at.split(u, form)
+        sun = to_body(at.quaternion(x), at.parts(stage.sun))
+        total = -stage.shone * collected(p.panels, sun, p.smoothing).area
+        total = total + p.step * p.power_scale * jnp.sum(controls.powers)
+        if form.magnetorquers == "managing":
+            dipole = jnp.stack(found.dipole)
+            sizes = jnp.sqrt(dipole * dipole + p.rounding * p.rounding) - p.rounding
+            total = total + p.step * jnp.sum(p.dipole_price * sizes + p.dipole_loss * dipole**2)
+        if form.dipoles:
+            price = p.dipole_price * p.dipole_limit
+            both = jnp.concatenate([price, price])
+            decided = jnp.stack(at.dipole(controls, p, form))
+            total = total + p.step * jnp.sum(both * controls.dipoles)
+            total = total + p.step * jnp.sum(p.dipole_loss * decided**2)
+        return total / p.energy_scale
+
+    def inequality(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> Array:
+        rows = []
+        if form.powers:
+            found = motion(at.course(x, u, p, form), p.step, stage.along, p, form)
+            controls = at.split(u, form)
+            y = at.stored(x, form) + 0.5 * p.step * at.product(p.to_stored, controls.scaled)
+            power = at.wheel_power(y, found.mean_rate, controls.scaled, p, form)
+            for i in range(form.powers):
+                rows += [
+                    controls.powers[i] - p.taken * power[i],
+                    controls.powers[i] + p.returned * power[i],
+                ]
+        if form.charge:
+            rows.append(x[-1] - p.floor)
+        return jnp.stack(rows)
+
+    def final_rows(x: Array, p: WheelsParameters) -> Array:
+        omega = jnp.stack(at.rate(x, p, form))
+        rows = [attitude_row(p.reference, x[:4]), RATE_SCALE * (omega - p.reference_rate)]
+        if form.speeds:
+            missed = at.stored(x, form) - p.reference_stored
+            rows.append(RATE_SCALE * at.product(p.end_rows, missed))
+        return jnp.concatenate(rows)
+
+    def terminal_cost(x: Array, p: WheelsParameters) -> Array:
+        q = at.quaternion(x)
+        omega = jnp.stack(at.rate(x, p, form))
+        sun = to_body(q, at.parts(p.last_sun))
+        total = -p.last_shone * collected(p.panels, sun, p.smoothing).area
+        if form.power == "signed":
+            total = total + p.taken * at.kinetic_energy(x, omega, p, form)
+        if form.end == "penalty":
+            inner = jnp.sum(p.reference * x[:4])
+            total = total + p.attitude_weight * (1.0 - inner)
+            total = total + p.rate_weight * jnp.sum((omega - p.reference_rate) ** 2)
+        return total / p.energy_scale
+
+    def limits(stage: WheelStage, p: WheelsParameters) -> tuple[Array, Array]:
+        open_ended = jnp.full(form.powers, jnp.inf)
+        one = jnp.ones(form.wheels)
+        dipoles = jnp.ones(form.dipoles)
+        lower = jnp.concatenate([-one, -open_ended, 0.0 * dipoles])
+        return lower, jnp.concatenate([one, open_ended, dipoles])
+
+    # From a given start to a given end without external torques, nothing is left to pay for there.
+    settled = form.end == "reach" and not (
+        form.power == "signed" and (form.torqued or form.wheels > 3)
+    )
+    limited = form.powers > 0 or form.charge
+    return OptimalControlProgram(
+        start=lambda p: p.start,
+        stages=lambda p: p.stages,
+        dynamics=lambda x, u, stage, p: moved(x, u, stage, p)[0],
+        cost=lambda x, u, stage, p, smoothing: moved(x, u, stage, p)[1],
+        error_size=form.error_size,
+        control_size=form.controls,
+        terminal_cost=None if settled else terminal_cost,
+        retract=retract,
+        difference=difference,
+        inequality=inequality if limited else None,
+        final_rows=final_rows if form.end == "reach" else None,
+        limits=limits,
+        linearisation=closed.linearisation,
+        lagrangian_hessian=closed.lagrangian_hessian,
+        path_hessian=closed.path_hessian if limited else None,
+        moved=moved,
+    )

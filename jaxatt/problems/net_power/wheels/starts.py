@@ -1,0 +1,123 @@
+"""Starts of a manoeuvre: ways to the sun and back, flown by feedback within the torque limits.
+
+A start is what the satellite does when it follows such a way, so that its states obey the dynamics
+(external torques aside) and its torques their limits, whatever rate it begins with.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxatt.problems.net_power.wheels.host import conjugate, logarithm, product, rotated
+from jaxatt.problems.net_power.wheels.paths import references, ways
+from jaxatt.problems.net_power.wheels.task import WheelsTask
+from jaxatt.problems.net_power.wheels.turn import increment, turned
+from jaxatt.runtime.arrays import Floats
+
+_BANDWIDTH = 0.4
+"""Of the feedback, times the length of an interval; at most `_FASTEST`."""
+_FASTEST = 0.8
+_DAMPING = 0.9
+_WITHIN = 0.95
+_ROOM = 0.02
+"""By which magnitudes of power begin above what they have to be at least."""
+
+
+class Starts(NamedTuple):
+    """Starts of one or more manoeuvres; leading axis S.
+
+    u : (S, N, b), controls and x : (S, N + 1, s), states of the programme.
+    reference : (S, 4), attitude to end in, with the sign of the way that the start goes.
+    task : (S,), number of the manoeuvre that it is a start of.
+    """
+
+    u: Floats
+    x: Floats
+    reference: Floats
+    task: Floats
+
+
+def draw_starts(task: WheelsTask, count: int, seed: int) -> Starts:
+    """Draw starts of a task; start i depends on the seed and on i only."""
+    count_of_intervals = task.manoeuvre.intervals
+    step = task.manoeuvre.step
+    way = ways(task, count, seed)
+    times = step * np.arange(count_of_intervals + 2)
+    return follow(task, references(task, way, times))
+
+
+def follow(task: WheelsTask, attitudes: Floats) -> Starts:
+    """Fly along attitudes (S, N + 2, 4) by feedback, from the state that the manoeuvre begins in."""
+    p, form, h = task.parameters, task.form, task.manoeuvre.step
+    count, intervals = len(attitudes), attitudes.shape[1] - 2
+    without, inverse = np.asarray(p.without_spin), np.asarray(p.inverse)
+    axes, limit = np.asarray(p.axes), np.asarray(p.torque_limit)
+    spread = (axes.T @ np.asarray(p.spread)) / limit[:, None]
+    to_stored = np.asarray(p.to_stored)
+    to_rate = np.asarray(p.to_rate)
+    rates = logarithm(product(conjugate(attitudes[:, :-1]), attitudes[:, 1:])) / h
+    bandwidth = min(_FASTEST, _BANDWIDTH / h)
+    total = np.asarray(p.total)
+    q = np.broadcast_to(np.asarray(p.start[:4]), (count, 4))
+    y = np.broadcast_to(np.asarray(p.start[4 : 4 + form.stored]), (count, form.stored))
+    states, controls = [], []
+    for k in range(intervals):
+        momentum = rotated(conjugate(q), np.broadcast_to(total, (count, 3)))
+        lost = y @ to_rate.T
+        omega = momentum @ inverse.T - lost
+        # Where the way will be in the middle of the interval, with half of the rate's change.
+        missed = logarithm(product(conjugate(attitudes[:, k]), q))
+        wanted = 0.5 * (rates[:, max(k - 1, 0)] + rates[:, k])
+        ahead = (rates[:, min(k + 1, intervals)] - rates[:, max(k - 1, 0)]) / (2.0 * h)
+        change = ahead - 2.0 * _DAMPING * bandwidth * (omega - wanted) - bandwidth**2 * missed
+        turning = np.cross(momentum, omega)
+        scaled = np.clip((turning - change @ without.T) @ spread.T, -_WITHIN, _WITHIN)
+        states.append((q, y))
+        controls.append(scaled)
+        slope = scaled @ to_stored.T @ to_rate.T
+        speeding = turning @ inverse.T - slope
+        bend = (np.cross(turning, omega) + np.cross(momentum, speeding)) @ inverse.T
+        dq = np.stack(increment(turned(tuple(omega.T), tuple(speeding.T), tuple(bend.T), h)), -1)
+        q, y = product(q, dq), y + h * scaled @ to_stored.T
+    states.append((q, y))
+    parts = [np.stack([s[i] for s in states], axis=1) for i in range(2)]
+    if form.torqued:
+        parts.append(np.broadcast_to(p.start[4 + form.stored :][:3], (count, intervals + 1, 3)))
+    x = np.concatenate(parts, axis=2)
+    scaled = np.stack(controls, axis=1)
+    if form.charge:
+        x = np.concatenate([x, np.broadcast_to(p.start[-1], (count, intervals + 1, 1))], axis=2)
+    u = _with_powers(task, x, scaled)
+    reference = np.asarray(p.reference)
+    sign = np.where(q @ reference < 0.0, -1.0, 1.0)
+    return Starts(u, x, sign[:, None] * reference, np.zeros(count, int))
+
+
+def _with_powers(task: WheelsTask, x: Floats, scaled: Floats) -> Floats:
+    """Controls of the programme: torques, and what else it has."""
+    p, form = task.parameters, task.form
+    parts = [scaled]
+    if form.powers:
+        y = x[..., 4 : 4 + form.stored]
+        middle = 0.5 * (y[:, 1:] + y[:, :-1])
+        momentum = rotated(conjugate(x[:, :-1, :4]), np.asarray(p.total))
+        omega = momentum @ np.asarray(p.inverse).T - middle @ np.asarray(p.to_rate).T
+        torque = scaled * np.asarray(p.torque_limit)
+        axes, inertia = np.asarray(p.axes), np.asarray(p.wheel_inertia)
+        if form.each:
+            speeds = float(p.momentum_scale) * middle / inertia - omega @ axes
+            pushed = torque
+            if form.power == "body":
+                pushed, speeds = torque @ axes.T, speeds @ axes.T
+        else:
+            speeds = middle @ np.asarray(p.without_spin).T / inertia[0] - omega @ (axes @ axes.T)
+            pushed = torque @ axes.T
+        power = pushed * speeds / float(p.power_scale)
+        if form.power == "body":
+            power = power.sum(axis=-1, keepdims=True)
+        parts.append(np.maximum(float(p.taken) * power, -float(p.returned) * power) + _ROOM)
+    if form.dipoles:
+        parts.append(np.full((*scaled.shape[:2], form.dipoles), _ROOM))
+    return np.concatenate(parts, axis=-1)
