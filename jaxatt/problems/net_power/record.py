@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxatt.environment.eclipse_times import Eclipse
 from jaxatt.records.phase import Phase, Section
 from jaxatt.runtime.arrays import Floats
 
@@ -62,12 +63,12 @@ class NetPower(Section):
     start_energy : (S,) [J], net energy of every start's flight; NaN where it is unknown.
     share : of the starts, those that reached and are at the best.  minima : different ones.
     violation, stationarity : of the solver at the answer.
-    shadow : name -> (K, 2) [s], entries and exits since the scenario's start, of "umbra" and
-    "penumbra".
+    shadow : passages through the Earth's shadow, in times since the epoch.
     baseline : name -> series of the PD law's flight, as the phase's own.
+    baseline_errors : name -> error of that flight at its end, as the phase's own.
     task, mode : of a plan; empty for a single manoeuvre.  site : (2,) [deg], latitude and longitude
     of a target on the ground; None without.
-    weights : k1 or k2 of the printed costs, for the report.
+    final_time_free : whether it was found with the rest.
     """
 
     energy: Energy
@@ -77,8 +78,9 @@ class NetPower(Section):
     minima: int
     violation: float
     stationarity: float
-    shadow: Mapping[str, Floats]
+    shadow: tuple[Eclipse, ...]
     baseline: Mapping[str, Floats]
+    baseline_errors: Mapping[str, float]
     task: str = ""
     mode: str = ""
     site: Floats | None = None

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
-
-import numpy as np
 
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.record import Energy, energy_of, mean_power, net_power
@@ -42,7 +41,10 @@ def names(phase: Phase) -> Block:
             "claimed_J": found.claimed,
             "share_at_best": found.share,
             "minima": found.minima,
-            "shadow_s": {name: np.asarray(times).tolist() for name, times in found.shadow.items()},
+            "shadow_s": [
+                {name: None if math.isnan(time) else time for name, time in vars(passage).items()}
+                for passage in found.shadow
+            ],
             "task": found.task or None,
             "mode": found.mode or None,
         },

@@ -59,12 +59,14 @@ def _shadow(block: Block) -> str:
     found = block["net_power"]
     if found is None:
         return ""
-    times = [
-        f"{name} {begin:.1f} to {end:.1f}"
-        for name, spans in found["shadow_s"].items()
-        for begin, end in spans
-    ]
-    return "; ".join(times)
+
+    def told(time: float | None, otherwise: str) -> str:
+        return otherwise if time is None else f"{time:.1f}"
+
+    return "; ".join(
+        f"umbra {told(passage['umbra_entry'], 'before')} to {told(passage['umbra_exit'], 'after')}"
+        for passage in found["shadow_s"]
+    )
 
 
 def _optimality(block: Block) -> str:

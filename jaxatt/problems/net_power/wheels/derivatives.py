@@ -445,7 +445,11 @@ class IntervalDerivatives:
         return jnp.stack(entries).reshape(width, width)
 
     def _add_momentum(
-        self, add: Callable[[int, int, Array], None], x: Array, force: Components, p: WheelsParameters
+        self,
+        add: Callable[[int, int, Array], None],
+        x: Array,
+        force: Components,
+        p: WheelsParameters,
     ) -> None:
         """Add what the total momentum bends: seen from a turned body it is another vector."""
         form, h = self.form, p.step

@@ -15,13 +15,11 @@ from jaxatt.multistart.driver import run_starts
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
-from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.programme import wheels_programme
-from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts
-from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
-from jaxatt.runtime.arrays import Floats
+from jaxatt.problems.net_power.wheels.starts import Starts
+from jaxatt.problems.net_power.wheels.task import WheelsTask
 from jaxatt.runtime.chunks import Report, chunk_for
 
 SETTINGS = InteriorSettings(

@@ -1,0 +1,45 @@
+"""The family of manoeuvres and plans that earn energy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from jaxatt.problems.family import Family, PhaseStart, SearchOptions
+from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.net_power.answers import Answers, judged, searched
+from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.reading.objective import KIND
+from jaxatt.problems.net_power.reading.scenario import read_net_power
+from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
+from jaxatt.problems.net_power.report.sections import NET_POWER
+from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.records.phase import Phase
+from jaxatt.runtime.chunks import Report
+
+
+class NetPower(Family):
+    """Family of manoeuvres that earn the most net energy, one by one or as a plan of tasks."""
+
+    name = "net-power"
+    systems = (SPACECRAFT,)
+    kinds = (KIND,)
+    tables = NET_POWER_TABLES
+    sections = NET_POWER
+
+    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+        return read_net_power(document, origin, folder)
+
+    def phases(self, scenario: Scenario) -> int:
+        """One for a manoeuvre, one for each task of a plan."""
+        return max(1, len(options_of(scenario).tasks))
+
+    def search(
+        self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None
+    ) -> Answers:
+        return searched(scenario, start, report)
+
+    def judge(
+        self, scenario: Scenario, start: PhaseStart, found: Answers
+    ) -> tuple[Phase, InitialState]:
+        return judged(scenario, start, found)

@@ -1,0 +1,87 @@
+"""Answers of a search, before and after they were flown again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from jaxatt.optimize.status import Status
+from jaxatt.problems.net_power.flight import PoweredFlight
+from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Flags, Floats
+
+SAME = 1e-4
+"""Difference of net energies, as a share of the solar energy, up to which two are one minimum."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """Answers of a solver to one manoeuvre from S starts.
+
+    torque : (S, N, n) [N m].  dipole : (S, N, 3) [A m^2], or None where it was not decided.
+    claimed : (S,) [J], net energy by the solver's own count.
+    status : (S,) `Status`.  violation, stationarity : (S,).  iterations : (S,).
+    """
+
+    torque: Floats
+    dipole: Floats | None
+    claimed: Floats
+    status: npt.NDArray[np.int64]
+    violation: Floats
+    stationarity: Floats
+    iterations: npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """Answers with their fine flights and verdicts, and the best of them.
+
+    score : (S,), what the answers are ranked by, the most first; [J], or [W] for mean power.
+    best : index of the answer.  minima : different ones among the starts that reached.
+    share : of all starts, those that reached and are at the best.
+    """
+
+    manoeuvre: Manoeuvre
+    solved: Solved
+    flight: PoweredFlight
+    verdict: Verdict
+    score: Floats
+    best: int
+    minima: int
+    share: float
+
+    @property
+    def reached(self) -> Flags:
+        """Whether each flight reached, (S,)."""
+        return self.verdict.reached
+
+
+def ranked(
+    manoeuvre: Manoeuvre,
+    solved: Solved,
+    flight: PoweredFlight,
+    verdict: Verdict,
+    score: Floats,
+    scale: float,
+) -> Flown:
+    """Choose the best of the answers that reached, or the nearest where none did.
+
+    scale : of the score, against which differences are small.
+    """
+    usable = np.where(np.isfinite(score), score, -np.inf)
+    missed = np.where(verdict.reached, 0.0, np.maximum(1.0, verdict.shortfall))
+    # Of answers that do not reach the nearest; of those that violate a limit alone, any.
+    best = int(np.lexsort((-usable, missed))[0])
+    same = SAME * max(scale, 1e-12)
+    ended = np.sort(usable[verdict.reached & np.isfinite(usable)])
+    minima = int(len(ended) > 0) + int((np.diff(ended) > same).sum())
+    near = verdict.reached & (usable >= usable[best] - same)
+    return Flown(manoeuvre, solved, flight, verdict, score, best, minima, float(near.mean()))
+
+
+def converged(solved: Solved) -> Flags:
+    """Whether each start ended at a minimum of its own, (S,)."""
+    return np.asarray(solved.status == int(Status.CONVERGED))
