@@ -10,6 +10,7 @@ import typer
 
 from jaxatt.cli.certify import certify
 from jaxatt.cli.compare import compare
+from jaxatt.cli.plan import plan
 from jaxatt.cli.scenarios import scenarios
 from jaxatt.cli.simulate import simulate
 from jaxatt.cli.solve import solve
@@ -23,7 +24,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (solve, compare, simulate, certify, sparsity, sweep):
+for command in (solve, plan, compare, simulate, certify, sparsity, sweep):
     app.command()(command)
 app.add_typer(scenarios, name="scenarios")
 

@@ -72,6 +72,9 @@ def solve(
         verifying += time.perf_counter() - flown
         phases.append(phase)
         start = start.following(phase, end)
+    improved = family.improve(scenario, phases, answers, report)
+    if improved is not None:
+        phases, answers = list(improved.phases), list(improved.found)
     total = time.perf_counter() - began
     compiling = compile_seconds() - compiled
     return Result(
@@ -90,7 +93,10 @@ def solve(
             *scenario.notes,
             *(note for phase in phases for note in constraint_margin_notes(phase)),
         ),
-        extra=family.extra(scenario, answers),
+        extra={
+            **family.extra(scenario, answers),
+            **({} if improved is None else improved.extra),
+        },
     )
 
 

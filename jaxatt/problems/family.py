@@ -35,6 +35,19 @@ class PhaseStart:
 
 
 @dataclass(frozen=True, eq=False)
+class Improved:
+    """All phases after they were improved together.
+
+    phases, found : as `judge` and `search` returned them, each from the flown end of the one
+    before.  extra : numbers on the improvement for the result, see `Family.extra`.
+    """
+
+    phases: tuple[Phase, ...]
+    found: tuple[Any, ...]
+    extra: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
 class SearchOptions:
     """Options of `solve` beyond the scenario.
 
@@ -103,6 +116,19 @@ class Family(ABC):
         self, scenario: Scenario, start: PhaseStart, found: Any
     ) -> tuple[Phase, InitialState]:
         """Fly the answer of a search again with finer steps; return record and flown end."""
+
+    def improve(
+        self,
+        scenario: Scenario,
+        phases: Sequence[Phase],
+        found: Sequence[Any],
+        report: Report | None,
+    ) -> Improved | None:
+        """Improve all phases together after they were solved in sequence; None to keep those.
+
+        phases, found : what `judge` and `search` returned for each.
+        """
+        return None
 
     def check_certifiable(self, scenario: Scenario) -> None:
         """Refuse scenarios whose minimum is not shown by trying supports, with `ScenarioError`."""

@@ -50,10 +50,11 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     )
     longest = horizon.longest if horizon.free else horizon.duration
     satellite = read_satellite(document, origin, craft, orbit, wheel_power, longest)
+    floor = _floor(document.get("limits", {}), origin, craft)
     tasks: tuple[Task, ...] = ()
     if plan:
         pose = inertial_pose(initial, initial_frame, satellite.orbit)
-        tasks = read_tasks(document, origin, satellite, notes, pose)
+        tasks = read_tasks(document, origin, satellite, notes, pose, floor)
         horizon = replace(
             horizon,
             duration=sum(task.duration for task in tasks),
@@ -84,7 +85,7 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
             baseline=read_baseline(document.get("baseline"), origin, craft),
             wheel_speed_at_end=speeds,
             load=float(craft.loads.get("harvest", 0.0)),
-            floor=_floor(document.get("limits", {}), origin, craft),
+            floor=floor,
             tasks=tasks,
             joint=plan and improved_jointly(document, origin),
         ),

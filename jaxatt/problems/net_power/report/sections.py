@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from jaxatt.problems.net_power.report.names import attributes, names, together, whole
 from jaxatt.problems.net_power.report.panels import panels, shades, starts_panel
+from jaxatt.problems.net_power.report.plan_figures import figures, overview
+from jaxatt.problems.net_power.report.plan_table import plan_table
 from jaxatt.problems.net_power.report.rows import rows, title
 from jaxatt.problems.net_power.report.variables import LABELS, variables
 from jaxatt.problems.sections import Sections
@@ -19,5 +21,8 @@ NET_POWER = Sections(
     attributes=attributes,
     panels=panels,
     shades=shades,
+    figures=figures,
+    table=plan_table,
+    overview=overview,
     starts=starts_panel,
 )

@@ -9,6 +9,8 @@ from typing import Any
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.orbit_frame import orbit_frame
 from jaxatt.problems.net_power.plan.clock import clock_text
+from jaxatt.problems.net_power.plan.floor import check_floor
+from jaxatt.problems.net_power.plan.reach import check_reach
 from jaxatt.problems.net_power.plan.reading.order import check_jumps, check_times
 from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, PLAN_KEYS
 from jaxatt.problems.net_power.plan.reading.tasks import Setting, read_task, task_table
@@ -26,11 +28,13 @@ def read_tasks(
     satellite: Satellite,
     notes: list[str],
     initial: Pose | None = None,
+    floor: float = -math.inf,
 ) -> tuple[Task, ...]:
     """Read and check the tasks of a scenario's document.
 
     satellite : with its loads, and the orbit that it is on.
     initial : attitude and rate at the plan's start; None where they do not matter.
+    floor : [J], least charge of the battery; -inf without.
     Raises `ScenarioError`, which names the task.
     """
     table = Table(document.get("horizon", {}), origin, "[horizon]", HORIZON_KEYS)
@@ -63,6 +67,8 @@ def read_tasks(
     check_jumps(tables, tasks, initial)
     least = least_elevation(document, origin)
     check_sights(tasks, None if days is None else flown, origin, least)
+    check_reach(tasks, satellite.craft, initial, origin)
+    check_floor(tasks, satellite, floor, origin, days)
     return tuple(tasks)
 
 

@@ -1,0 +1,48 @@
+"""Command `jaxatt plan`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.pipeline.solve import solve
+from jaxatt.report.tables import result_table
+from jaxatt.runtime.progress import Reporter
+from jaxatt.scenarios import ScenarioError
+
+
+def plan(
+    case: Case,
+    starts: Starts = None,
+    seed: Seed = None,
+    joint: Annotated[
+        bool | None,
+        typer.Option(
+            "--joint/--sequence",
+            help="Improve all tasks together after they were solved one after the other, or not.",
+            show_default="the scenario's",
+        ),
+    ] = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Plan tasks that earn the most energy, fly the plan, write summary, archive and figures."""
+    changes = {"solver.starts": starts, "solver.seed": seed, "plan.joint": joint}
+    with clean_exit():
+        scenario, folder = prepared(case, changes, out)
+        if "tasks" not in scenario.document:
+            raise ScenarioError(
+                f"{scenario.name}: has no [[tasks]] to plan; use jaxatt solve, or add some"
+            )
+        prepare_jax(compile_cache)
+        with Reporter(scenario.solver.starts, quiet) as report:
+            result = solve(scenario, report=report)
+        if not quiet:
+            show(result_table(result))
+        finish(repr(result), result.save(folder), folder, quiet)
+        if not result.reached:
+            raise typer.Exit(NOT_REACHED)
