@@ -7,7 +7,6 @@ import pytest
 
 from jaxatt.environment.eclipse import Shadow
 from jaxatt.problems.reading.light import read_light
-from jaxatt.problems.reading.magnetic_field import field_of
 from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.scenarios import ScenarioError, load_vehicle, vehicle_names
@@ -182,24 +181,3 @@ def test_bad_light_is_refused(data, orbit, words):
     around = read_orbit(ORBIT, "sat.toml") if orbit else None
     with pytest.raises(ScenarioError, match=words):
         read_light(data, "sat.toml", around)
-
-
-def test_field_of_an_epoch_within_its_years():
-    model = field_of(read_orbit(ORBIT, "sat.toml"), "sat.toml")
-    # Axial dipole g(1, 0) of IGRF-14 between 2020 and 2025, about -29378 nT.
-    assert 1e9 * model.cosine[1, 0] == pytest.approx(-29378.0, abs=15.0)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"epoch": "2031-05-01"}, r'epoch = "2031-05-01T00:00:00Z": .*1900 to 2030; give a date'),
-        ({"epoch": None}, r"\[orbit\] epoch: missing; magnetic torques need the date"),
-    ],
-)
-def test_epochs_without_a_field_are_refused(changes, words):
-    data = {key: value for key, value in {**ORBIT, **changes}.items() if value is not None}
-    with pytest.raises(ScenarioError, match=words):
-        field_of(read_orbit(data, "sat.toml"), "sat.toml")
-    with pytest.raises(ScenarioError, match=r"\[orbit\] is missing; magnetic torques"):
-        field_of(None, "sat.toml")
