@@ -68,9 +68,7 @@ def searched(scenario: Scenario, start: PhaseStart, report: Report | None) -> An
     return Answers(solved)
 
 
-def judged(
-    scenario: Scenario, start: PhaseStart, found: Answers
-) -> tuple[Phase, InitialState]:
+def judged(scenario: Scenario, start: PhaseStart, found: Answers) -> tuple[Phase, InitialState]:
     """Fly the answers of a phase finely; return the best one's record and where it ended."""
     task, manoeuvre = task_of(scenario, start), phase_manoeuvre(scenario, start)
     law, family = options_of(scenario).baseline, scenario.family
