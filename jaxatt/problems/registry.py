@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from jaxatt.problems.family import Family
 from jaxatt.problems.hands_off.family import HandsOff
+from jaxatt.problems.net_power.family import NetPower
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.time_optimal.family import TimeOptimal
 from jaxatt.problems.toy.family import Toy
@@ -13,6 +14,7 @@ _FAMILIES: dict[str, Family] = {
     for family in (
         HandsOff(),
         TimeOptimal(),
+        NetPower(),
         Toy(),
     )
 }

@@ -13,6 +13,7 @@ OBJECTIVES = {
     "l1": "L1",
     "time-effort": "Time and effort",
     "minimum-time": "Minimum time",
+    "net-power": "Net energy",
 }
 
 _SHOWN_RUNS = 12

@@ -1,8 +1,8 @@
 """Flight of a body with wheels with an exact account of the energy that it gains and spends.
 
-Powers are integrated by two Gauss points in each half of a Runge-Kutta step, at the motion in
-between, so that the corners of positive parts and absolute values cost little; the light stands in
-the weights, which resolve the edges of the shadow.  All lanes of a batch are scalars batched last.
+Powers are integrated by Gauss points within every Runge-Kutta step, at the motion in between, so
+that the corners of positive parts and absolute values cost little; the light stands in the weights,
+which resolve the edges of the shadow.  All lanes of a batch are scalars batched last.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from jaxatt.attitude.components import Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.dense_step import Dipole, Stages, between, end, stages
-from jaxatt.simulation.light_quadrature import SHARES, WEIGHTS
+from jaxatt.simulation.light_quadrature import shares_of
 from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.rigid_step import Motion
 from jaxatt.simulation.wheeled_body import WheeledBody
@@ -51,8 +51,8 @@ class Spent(NamedTuple):
 class Step(NamedTuple):
     """Surroundings of one step; trailing axis of lanes, or 1 where all share them.
 
-    along : (4, lanes).  sun : unit vector, inertial.  light : (4, lanes) [s], weights of the Gauss
-    points with the visible fraction of the sun in them.
+    along : (4, lanes).  sun : unit vector, inertial.
+    light : (points, lanes) [s], weights of the Gauss points, the sun's visible fraction in them.
     """
 
     along: Along
@@ -80,7 +80,8 @@ def fly_interval(
         begun, spent = at
         spun = combination(body.axes, begun.spins, begun.motion.omega)
         course = stages(begun.motion, spun, torque, dipole, around.along, step, body.body, torques)
-        within = _within(body, course, begun.spins, wheel_torque, step)
+        points = around.light.shape[0]
+        within = _within(body, course, begun.spins, wheel_torque, step, points)
         middle = jax.tree.map(lambda x: x[1][None], around.along)
         moment = dipole(within.motion, _row(spun) + within.passed * _row(torque), middle)
         after = Carried(end(course, step), _spun(begun.spins, wheel_torque, step))
@@ -99,7 +100,7 @@ def fly_interval(
 
 
 class _Points(NamedTuple):
-    """The Gauss points of a step (4, lanes): time since its start [s], motion, wheel speeds."""
+    """Time since the start of a step [s], motion and wheel speeds at its (points, lanes)."""
 
     passed: Array
     motion: Motion
@@ -112,10 +113,11 @@ def _within(
     spins: tuple[Array, ...],
     wheel_torque: tuple[Array, ...],
     step: Array,
+    points: int,
 ) -> _Points:
-    shares = jnp.asarray(SHARES)
-    passed = shares[:, None] * step[None]
-    motion = between(course, step, shares)
+    at = jnp.asarray(shares_of(points))
+    passed = at[:, None] * step[None]
+    motion = between(course, step, at)
     return _Points(
         passed, motion, body.speeds(motion, _spun(_row(spins), _row(wheel_torque), passed))
     )
@@ -138,7 +140,7 @@ def _added(
     step: Array,
 ) -> Spent:
     """What was spent before a step together with what the step adds."""
-    weights = jnp.asarray(WEIGHTS)[:, None] * step[None]
+    weight = step / len(within.passed)
     sun_b = within.motion.q_ib.rotate_inverse(_row(around.sun))
     spent = spent._replace(
         solar=spent.solar + jnp.sum(around.light * powers.solar(sun_b), axis=0),
@@ -146,9 +148,9 @@ def _added(
     )
     if wheel_torque:
         driven = powers.wheels(_row(wheel_torque), within.speeds)
-        spent = spent._replace(wheels=spent.wheels + jnp.sum(weights * driven, axis=0))
+        spent = spent._replace(wheels=spent.wheels + weight * jnp.sum(driven, axis=0))
     if moment is not None:
-        drawn = jnp.sum(weights * powers.magnetorquers(moment), axis=0)
+        drawn = weight * jnp.sum(powers.magnetorquers(moment), axis=0)
         spent = spent._replace(
             magnetorquers=spent.magnetorquers + drawn,
             strongest=spent.strongest.map(_larger, moment),

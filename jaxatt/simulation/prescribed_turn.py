@@ -17,7 +17,7 @@ from jax import Array, lax
 from jaxatt.attitude.components import Matrix, Quaternion, Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.simulation.dense_step import Dipole
-from jaxatt.simulation.light_quadrature import SHARES, WEIGHTS
+from jaxatt.simulation.light_quadrature import shares_of
 from jaxatt.simulation.powered_flight import Step
 from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.rigid_step import Motion
@@ -172,7 +172,8 @@ def _step(
         turning.turned(at.q_ib, step).normalized(), body.changed(at.speeds, change), momentum
     )
     # At the Gauss points of the step.
-    shares = jnp.asarray(SHARES)[:, None]
+    points = around.light.shape[0]
+    shares = jnp.asarray(shares_of(points))[:, None]
     rowed = turning._replace(omega=_row(turning.omega))
     middle = jax.tree.map(lambda x: x[1][None], around.along)
     q_ib = rowed.turned(_row(at.q_ib), shares * step[None])
@@ -180,12 +181,12 @@ def _step(
     taken = body.taken(rowed.on_wheels(q_ib, within, middle))
     speeds = body.changed(_row(at.speeds), shares * _row(change))
     moment = rowed.moment(q_ib, within, middle) or 0.0 * within
-    weights = jnp.asarray(WEIGHTS)[:, None] * step[None]
+    weight = step / points
     sun_b = q_ib.rotate_inverse(_row(around.sun))
     return after, TurnSpent(
         spent.solar + jnp.sum(around.light * powers.solar(sun_b), axis=0),
-        spent.wheels + jnp.sum(weights * powers.wheels(taken, speeds), axis=0),
-        spent.magnetorquers + jnp.sum(weights * powers.magnetorquers(moment), axis=0),
+        spent.wheels + weight * jnp.sum(powers.wheels(taken, speeds), axis=0),
+        spent.magnetorquers + weight * jnp.sum(powers.magnetorquers(moment), axis=0),
         tuple(map(_larger, spent.torque, taken)),
         tuple(jnp.abs(_larger(*both)) for both in zip(spent.fastest, speeds, strict=True)),
         spent.strongest.map(lambda most, m: jnp.abs(_larger(most, m)), moment),

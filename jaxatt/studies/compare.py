@@ -8,16 +8,19 @@ from pathlib import Path
 from jaxatt import scenarios
 from jaxatt.runtime.chunks import Report
 from jaxatt.studies.comparison import Comparison, compare_controllers
+from jaxatt.studies.energy_comparison import EnergyComparison, compare_energy
 from jaxatt.studies.time_comparison import TimeComparison, compare_times
 
 Study = Callable[
-    [scenarios.Scenario, int | None, int | None, Report | None], Comparison | TimeComparison
+    [scenarios.Scenario, int | None, int | None, Report | None],
+    Comparison | TimeComparison | EnergyComparison,
 ]
 
 _STUDIES: dict[str, Study] = {
     "hands-off": compare_controllers,
     "toy": compare_controllers,
     "time-optimal": compare_times,
+    "net-power": compare_energy,
 }
 """Name of a family -> what compares its scenarios."""
 
@@ -27,7 +30,7 @@ def compare(
     starts: int | None = None,
     seed: int | None = None,
     report: Report | None = None,
-) -> Comparison | TimeComparison:
+) -> Comparison | TimeComparison | EnergyComparison:
     """Run every controller of the source on a scenario, or every transcription of a turn.
 
     starts, seed : replace the scenario's own.  report : as in `solve`.

@@ -177,6 +177,17 @@ def test_times_in_the_shadow_by_an_integrated_orbit():
     assert found.penumbra_exit == pytest.approx(4854.0, abs=0.2)
 
 
+def test_seconds_in_the_penumbra_of_chapter_5():
+    """Section 5.8 prints about 20 s, entry and exit together, of the orbit of table 5.4."""
+    degrees = np.deg2rad([97.439, 139.3136, 33.7547, 54.0])
+    elements = kepler.KeplerianElements(*(jnp.asarray(v) for v in (6905.1e3, 0.0007757, *degrees)))
+    fixed_sun = 1.4959987e11 * np.array([0.8944, 0.0, 0.4472])
+    task = OrbitTask(elements, TASK.mu, jnp.asarray(0.0))
+    (found,) = eclipses(task, Light(1361.0, fixed_sun, SHADOW), 0.0, 5580.0)
+    both = found.umbra_entry - found.penumbra_entry + found.penumbra_exit - found.umbra_exit
+    assert both == pytest.approx(20.0, abs=1.0)
+
+
 def test_events_outside_the_interval_are_no_numbers():
     light = Light(1361.0, None, SHADOW)
     (begun,) = eclipses(TASK, light, 4000.0, 5000.0)

@@ -7,10 +7,9 @@ import pytest
 
 from jaxatt.environment.eclipse import Shadow
 from jaxatt.problems.reading.light import read_light
-from jaxatt.problems.reading.magnetic_field import field_of
 from jaxatt.problems.reading.settings import read_orbit
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.scenarios import ScenarioError, load_vehicle
+from jaxatt.scenarios import ScenarioError, load_vehicle, vehicle_names
 
 VEHICLE = {
     "inertia_kgm2": [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
@@ -76,6 +75,15 @@ def test_vehicles_without_power_are_as_before():
     craft = load_vehicle("hypso1")
     assert craft.panels is None and craft.battery is None and craft.loads == {}
     assert (craft.wheels.efficiency, craft.wheels.regeneration) == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("name", vehicle_names())
+def test_bundled_vehicles_are_complete(name):
+    craft = load_vehicle(name)
+    assert craft.name == name
+    alone = craft.wheels.count == 0 and craft.thrusters.count == 0
+    assert alone == (name == "hypso1-magnetic")
+    assert (craft.panels is not None) == (name in ("hypso1-solar", "hypso2", "hypso1-magnetic"))
 
 
 def test_bundled_vehicle_with_an_override():
@@ -173,24 +181,3 @@ def test_bad_light_is_refused(data, orbit, words):
     around = read_orbit(ORBIT, "sat.toml") if orbit else None
     with pytest.raises(ScenarioError, match=words):
         read_light(data, "sat.toml", around)
-
-
-def test_field_of_an_epoch_within_its_years():
-    model = field_of(read_orbit(ORBIT, "sat.toml"), "sat.toml")
-    # Axial dipole g(1, 0) of IGRF-14 between 2020 and 2025, about -29378 nT.
-    assert 1e9 * model.cosine[1, 0] == pytest.approx(-29378.0, abs=15.0)
-
-
-@pytest.mark.parametrize(
-    ("changes", "words"),
-    [
-        ({"epoch": "2031-05-01"}, r'epoch = "2031-05-01T00:00:00Z": .*1900 to 2030; give a date'),
-        ({"epoch": None}, r"\[orbit\] epoch: missing; magnetic torques need the date"),
-    ],
-)
-def test_epochs_without_a_field_are_refused(changes, words):
-    data = {key: value for key, value in {**ORBIT, **changes}.items() if value is not None}
-    with pytest.raises(ScenarioError, match=words):
-        field_of(read_orbit(data, "sat.toml"), "sat.toml")
-    with pytest.raises(ScenarioError, match=r"\[orbit\] is missing; magnetic torques"):
-        field_of(None, "sat.toml")

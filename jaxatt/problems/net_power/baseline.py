@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from jaxatt.attitude.components import Quaternion, Vector
-from jaxatt.problems.net_power.along_flight import sunlight_at
 from jaxatt.problems.net_power.flight import PoweredFlight, fly_steered
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
 from jaxatt.problems.net_power.sun_attitude import sun_attitude
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.steering import Aim, HeldPD
@@ -24,7 +24,8 @@ class PDBaseline:
     proportional : K_p [N m].  derivative : K_d [N m s].
     hold : [s], time for which a torque is held; None for the intervals of the manoeuvre.
     turn_back : [s] before the end, when it lets go of the sun.
-    nearest_to : "start" or "end", the attitude that decides the roll about the line to the sun.
+    nearest_to : "start" or "end", the reference attitude of (3.9), which decides the roll about the
+    line to the sun.  path_weight : k_1 [W^2] of (3.8).
     Source: Kristiansen (2023), section 3.2.1.
     """
 
@@ -33,6 +34,7 @@ class PDBaseline:
     hold: float | None = None
     turn_back: float = 20.0
     nearest_to: str = "start"
+    path_weight: float = 1.0
 
 
 CHAPTER_4 = PDBaseline(8e-2, 1.08e-1)
@@ -76,9 +78,12 @@ def _aims(manoeuvre: Manoeuvre, law: PDBaseline) -> tuple[Floats, Floats]:
     reference = manoeuvre.start.q_ib
     if law.nearest_to == "end" and end is not None:
         reference = end.q_ib
-    assert satellite.craft.panels is not None
+    if satellite.craft.panels is None:
+        raise ValueError("panels: the vehicle has none, so no attitude earns more than another")
     sun, _ = sunlight_at(satellite, times[:1])
-    q_ib = np.tile(sun_attitude(satellite.craft.panels, sun[0], reference), (count, 1))
+    irradiance = float(satellite.light.irradiance)
+    toward = sun_attitude(satellite.craft.panels, irradiance, sun[0], reference, law.path_weight)
+    q_ib = np.tile(toward, (count, 1))
     rate = np.zeros((count, 3))
     if end is not None:
         # A node at the moment of turning back counts as after it, whatever rounding says.

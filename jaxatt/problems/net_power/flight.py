@@ -23,6 +23,7 @@ from jaxatt.problems.net_power.flight_lanes import BLOCK, Plant, Row, begin_lane
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import chunk_for, in_chunks
+from jaxatt.simulation.light_quadrature import parts_for
 from jaxatt.simulation.magnetic_action import momentum_hold
 from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.steering import GivenTorque, Steering
@@ -128,14 +129,15 @@ def fly_steered(
     of = np.asarray(of)
     steps = steps or max(steps_for(manoeuvre) for manoeuvre in manoeuvres)
     count = _same_intervals(manoeuvres)
+    parts = parts_for(max(manoeuvre.step for manoeuvre in manoeuvres) / steps)
     padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     shared = len(manoeuvres) == 1
-    once = [along_flight(manoeuvres[0], padded, steps)] if shared else None
+    once = [along_flight(manoeuvres[0], padded, steps, parts)] if shared else None
     plant = plant_of(manoeuvres[0])
 
     def run(lanes: dict[str, Any]) -> dict[str, Floats]:
         which = [0] if shared else list(lanes["of"])
-        around = stacked(once or [along_flight(manoeuvres[k], padded, steps) for k in which])
+        around = stacked(once or [along_flight(manoeuvres[k], padded, steps, parts) for k in which])
         step = np.array([manoeuvres[k].step / steps for k in which])
         return _flown(plant, steering, lanes, around, step, count)
 
@@ -148,7 +150,13 @@ def fly_steered(
         "row": _padded(Row(rows, _components(dipole)), padded - count),
     }
     size = chunk_for(len(of)) if shared else min(_ROWS, chunk_for(len(of)))
-    key = ("net-power flight", steps, shared, str(jax.tree.structure((plant, steering, lanes))))
+    key = (
+        "net-power flight",
+        steps,
+        parts,
+        shared,
+        str(jax.tree.structure((plant, steering, lanes))),
+    )
     return gathered(manoeuvres, of, in_chunks(run, lanes, size, key=key))
 
 

@@ -1,77 +1,90 @@
-"""The attitude in which the panels earn most, nearest to a reference attitude."""
+"""The attitude in which the panels earn most, near a reference attitude."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from jaxatt.attitude import quaternion
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.panels import SolarPanels, collecting_area
 
 _GRID = 20000
-_KEPT = 64
+_KEPT = 24
 """Best points of the grid from which the search goes on."""
-_SAME = 1e-9
-"""Relative difference of areas that counts as none."""
-_APART = 1e-3
-"""[rad], distance from which two directions count as different ones."""
-
-_areas = jax.jit(collecting_area)
+_FINEST = 1e-9
+"""[rad], distance below which the search ends."""
 
 
-def best_sun_directions(panels: SolarPanels) -> Floats:
-    """Directions (k, 3) of the sun in body axes that give the panels the most power.
+def sun_attitude(
+    panels: SolarPanels,
+    irradiance: float,
+    sun: Any,
+    reference: Any,
+    path_weight: float = 1.0,
+) -> Floats:
+    """Attitude q_ib (..., 4) of most solar power, near a reference: the global optimum of (3.8).
 
-    All that are equally good: two where opposite faces are equal.  A flat maximum, as between two
-    equal faces at a right angle under the law of squared cosines, gives some of its points.
+    Of all attitudes in which the sun is seen in one direction of the body, the nearest to the
+    reference is the shortest turn away.  So what is left of (3.8) is to choose that direction s on
+    the unit sphere: kappa(s)^2 + k_1 cos(theta / 2), theta the angle of that turn.  A grid, then
+    pattern search from its best points: the power has corners where a face comes into the light.
 
-    A grid over the sphere, then pattern search from its best points: that needs no derivative, and
-    the power has corners where a face comes into the light.
-    """
-    points = _sphere(_GRID)
-    values = np.asarray(_areas(panels, points))
-    order = np.argsort(-values)[:_KEPT]
-    at, size = points[order], np.sqrt(4.0 * np.pi / _GRID)
-    value = values[order]
-    while size > 1e-10:
-        trials = _unit(at[:, None] + size * _around(at))
-        found = np.asarray(_areas(panels, trials))
-        best = found.argmax(axis=1)
-        rows = np.arange(len(at))
-        better = found[rows, best] > value
-        at = np.where(better[:, None], trials[rows, best], at)
-        value = np.where(better, found[rows, best], value)
-        if not better.any():
-            size *= 0.5
-    kept: list[Floats] = []
-    for k in np.argsort(-value, kind="stable"):
-        new = all(np.linalg.norm(at[k] - other) > _APART for other in kept)
-        if value[k] >= value.max() * (1.0 - _SAME) and new:
-            kept.append(at[k])
-    return np.array(kept)
-
-
-def sun_attitude(panels: SolarPanels, sun: Any, reference: Any) -> Floats:
-    """Attitude q_ib (..., 4) in which the panels earn most, nearest to a reference.
-
-    The problem (3.8) for a weight k_1 so small that it only decides between attitudes that are
-    equally good: the roll about the line to the sun, and which face looks there.
-
-    sun : (..., 3), direction of the sun in inertial axes.  reference : (..., 4), q_ib.
+    irradiance : [W/m^2].  sun : (..., 3), direction of the sun in inertial axes.
+    reference : (..., 4), q_ib.  path_weight : k_1 [W^2], greater than 0; a small one decides only
+    between attitudes of equal power, such as rolls about the line to the sun.
     Source: Kristiansen (2023), eqs. (3.8) and (3.9).
     """
-    directions = best_sun_directions(panels)
     sun, reference = _unit(np.asarray(sun, float)), np.asarray(reference, float)
     shape = np.broadcast_shapes(sun.shape[:-1], reference.shape[:-1])
-    sun = np.broadcast_to(sun, (*shape, 3))
-    reference = np.broadcast_to(reference, (*shape, 4))
+    sun = np.broadcast_to(sun, (*shape, 3)).reshape(-1, 3)
+    reference = np.broadcast_to(reference, (*shape, 4)).reshape(-1, 4)
     seen = np.asarray(quaternion.rotate_inverse(reference, sun))
-    nearest = directions[np.argmax(seen @ directions.T, axis=-1)]
-    turn = _shortest_turn(nearest, seen)
-    return np.asarray(quaternion.multiply(reference, turn))
+    best = _best_directions(panels, irradiance, seen, path_weight)
+    found = np.asarray(quaternion.multiply(reference, _shortest_turn(best, seen)))
+    return found.reshape(*shape, 4)
+
+
+def _best_directions(panels: SolarPanels, irradiance: float, seen: Floats, weight: float) -> Floats:
+    """Direction (m, 3) of the sun in body axes that is best for each (m, 3) of the reference."""
+    grid = _sphere(_GRID)
+    power = np.asarray(_squared_power(panels, irradiance, grid))
+    values = power[None] + weight * _nearness(grid[None], seen[:, None])
+    kept = np.argpartition(-values, _KEPT, axis=1)[:, :_KEPT]
+    at, value = grid[kept], np.take_along_axis(values, kept, axis=1)
+    size = np.sqrt(4.0 * np.pi / _GRID)
+    while size > _FINEST:
+        trials = _unit(at[:, :, None] + size * _around(at))
+        power = np.asarray(_squared_power(panels, irradiance, trials))
+        found = power + weight * _nearness(trials, seen[:, None, None])
+        choice = found.argmax(axis=2)[:, :, None]
+        most = np.take_along_axis(found, choice, axis=2)[:, :, 0]
+        better = most > value
+        moved = np.take_along_axis(trials, choice[..., None], axis=2)[:, :, 0]
+        at = np.where(better[..., None], moved, at)
+        value = np.where(better, most, value)
+        if not better.any():
+            size *= 0.5
+    winner = value.argmax(axis=1)
+    chosen: Floats = at[np.arange(len(at)), winner]
+    return chosen
+
+
+@jax.jit
+def _squared_power(panels: SolarPanels, irradiance: Array | float, sun_b: Array) -> Array:
+    """kappa^2 (...) [W^2] for directions (..., 3) of the sun in body axes."""
+    return jnp.square(irradiance * collecting_area(panels, sun_b))
+
+
+def _nearness(direction: Floats, seen: Floats) -> Floats:
+    """cos(theta / 2), which is |q' q_ref| for the shortest turn between two unit vectors."""
+    cosine = np.clip(np.sum(direction * seen, axis=-1), -1.0, 1.0)
+    half: Floats = np.sqrt(0.5 * (1.0 + cosine))
+    return half
 
 
 def _shortest_turn(start: Floats, end: Floats) -> Floats:
@@ -81,8 +94,7 @@ def _shortest_turn(start: Floats, end: Floats) -> Floats:
     least = np.eye(3)[np.argmin(np.abs(start), axis=-1)]
     half_turn = np.concatenate([0.0 * cosine, _unit(np.cross(start, least))], axis=-1)
     q = np.where(cosine < -1.0 + 1e-12, half_turn, q)
-    unit: Floats = q / np.linalg.norm(q, axis=-1, keepdims=True)
-    return unit
+    return _unit(q)
 
 
 def _unit(v: Floats) -> Floats:
@@ -92,16 +104,18 @@ def _unit(v: Floats) -> Floats:
 
 def _sphere(count: int) -> Floats:
     """Points (count, 3) spread evenly over the sphere, on a Fibonacci spiral."""
-    k = np.arange(count) + 0.5
+    k = np.arange(float(count)) + 0.5
     z, angle = 1.0 - 2.0 * k / count, np.pi * (1.0 + np.sqrt(5.0)) * k
     across = np.sqrt(1.0 - z**2)
-    return np.stack([across * np.cos(angle), across * np.sin(angle), z], axis=-1)
+    points: Floats = np.stack([across * np.cos(angle), across * np.sin(angle), z], axis=-1)
+    return points
 
 
 def _around(at: Floats) -> Floats:
-    """Eight tangent vectors (m, 8, 3) around each of the points (m, 3)."""
+    """Eight tangent unit vectors (..., 8, 3) around each of the points (..., 3)."""
     least = np.eye(3)[np.argmin(np.abs(at), axis=-1)]
     first = _unit(np.cross(at, least))
     second = np.cross(at, first)
-    angles = 2.0 * np.pi / 8.0 * np.arange(8)
-    return first[:, None] * np.cos(angles)[:, None] + second[:, None] * np.sin(angles)[:, None]
+    angles = 0.25 * np.pi * np.arange(8.0)[:, None]
+    around: Floats = first[..., None, :] * np.cos(angles) + second[..., None, :] * np.sin(angles)
+    return around

@@ -11,7 +11,7 @@ from jaxatt.problems.net_power.along_flight import sunlight_at
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
-from jaxatt.problems.net_power.sun_attitude import best_sun_directions
+from jaxatt.problems.net_power.wheels.directions import best_directions
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.panels import SolarPanels, collecting_area
@@ -70,7 +70,6 @@ def best_charge(task: Task, satellite: Satellite, charge: float) -> tuple[Floats
 def _area(task: Task, panels: SolarPanels, times: Floats, sun: Floats) -> Floats:
     """Largest collecting area (n,) [m^2] that a task allows."""
     if task.pose is None:
-        best = best_sun_directions(panels)[:1]
-        return np.tile(np.asarray(collecting_area(panels, best)), len(times))
+        return np.full(len(times), best_directions(panels).most)
     q_ib = np.stack([task.pose.after(time - task.start).q_ib for time in times])
     return np.asarray(collecting_area(panels, quaternion.rotate_inverse(q_ib, sun)))

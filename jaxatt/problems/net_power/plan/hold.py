@@ -19,6 +19,7 @@ from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import chunk_for, in_chunks
 from jaxatt.runtime.compilation import Routine
+from jaxatt.simulation.light_quadrature import parts_for
 from jaxatt.simulation.magnetic_action import HeldDipole
 from jaxatt.simulation.prescribed_turn import (
     Turned,
@@ -45,11 +46,12 @@ def fly_held(manoeuvres: Sequence[Manoeuvre], rates: Any) -> PoweredFlight:
     count = manoeuvres[0].intervals
     padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     steps = max(4, math.ceil(max(one.step for one in manoeuvres) / LONGEST_STEP - 1e-9))
+    parts = parts_for(max(one.step for one in manoeuvres) / steps)
     plant = plant_of(manoeuvres[0])
 
     def run(lanes: dict[str, Any]) -> dict[str, Floats]:
         which = lanes["of"].tolist()
-        once = {k: along_flight(manoeuvres[k], padded, steps) for k in dict.fromkeys(which)}
+        once = {k: along_flight(manoeuvres[k], padded, steps, parts) for k in dict.fromkeys(which)}
         around = stacked([once[k] for k in which])
         step = np.array([manoeuvres[k].step / steps for k in which])
         return _flown(plant, lanes, around, step, count)
@@ -63,7 +65,7 @@ def fly_held(manoeuvres: Sequence[Manoeuvre], rates: Any) -> PoweredFlight:
             for name in ("q_ib", "omega_ib", "omega_bw")
         ),
     }
-    key = ("net-power hold", steps, str(jax.tree.structure((plant, lanes))))
+    key = ("net-power hold", steps, parts, str(jax.tree.structure((plant, lanes))))
     found = in_chunks(run, lanes, min(_ROWS, chunk_for(len(of))), key=key)
     return gathered(manoeuvres, of, found)
 

@@ -35,7 +35,7 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     """Read and check the scenario; see `Family.read`."""
     heading = read_heading(document, origin, NET_POWER_TABLES, ("vehicle", "initial"))
     notes: list[str] = []
-    craft = read_vehicle(document["vehicle"], origin, folder, notes)
+    craft = read_vehicle(document["vehicle"], origin, folder, notes, magnetorquers_alone=True)
     orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
     initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
     plan = "tasks" in document

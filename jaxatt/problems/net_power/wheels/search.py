@@ -75,3 +75,30 @@ def solve_starts(
         progress=None if report is None else lambda done: report("solving from all starts", done),
     )
     return found
+
+
+def search_wheels(manoeuvres, count, seed, report=None):  # temporary
+    out = []
+    from jaxatt.problems.net_power.found import Solved
+    from jaxatt.problems.net_power.wheels.starts import draw_starts
+    from jaxatt.problems.net_power.wheels.task import wheels_task
+
+    for manoeuvre in manoeuvres:
+        task = wheels_task(manoeuvre)
+        starts = draw_starts(task, count, seed)
+        r = solve_starts([task], starts, report=report)
+        scale = float(task.parameters.energy_scale)
+        n = task.form.wheels
+        torque = np.asarray(r.u)[..., :n] * np.asarray(task.parameters.torque_limit)
+        out.append(
+            Solved(
+                torque,
+                None,
+                -np.asarray(r.objective) * scale,
+                np.asarray(r.status),
+                np.asarray(r.violation),
+                np.asarray(r.stationarity),
+                np.asarray(r.iterations),
+            )
+        )
+    return tuple(out)

@@ -61,7 +61,7 @@ def independent(manoeuvre, rate):
     wheels, battery = CRAFT.wheels, CRAFT.battery
     axes, inertia = np.asarray(wheels.axes), np.asarray(CRAFT.inertia)
     spin, speeds = np.asarray(wheels.inertia), manoeuvre.start.omega_bw
-    around = along_flight(manoeuvre, manoeuvre.intervals + 1, 1)
+    around = along_flight(manoeuvre, manoeuvre.intervals + 1, 1, 2)
     times = manoeuvre.step * np.arange(manoeuvre.intervals + 1)
     first = Rotation.from_quat(np.roll(manoeuvre.start.q_ib, -1))
 
