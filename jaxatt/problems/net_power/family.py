@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.family import Family, PhaseStart, SearchOptions
+from jaxatt.problems.family import Family, Improved, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.answers import Answers, judged, searched
 from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.improve import improved
 from jaxatt.problems.net_power.reading.objective import KIND
 from jaxatt.problems.net_power.reading.scenario import read_net_power
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
@@ -43,3 +45,13 @@ class NetPower(Family):
         self, scenario: Scenario, start: PhaseStart, found: Answers
     ) -> tuple[Phase, InitialState]:
         return judged(scenario, start, found)
+
+    def improve(
+        self,
+        scenario: Scenario,
+        phases: Sequence[Phase],
+        found: Sequence[Any],
+        report: Report | None,
+    ) -> Improved | None:
+        """Improve a plan over its tasks' boundaries."""
+        return improved(scenario, phases, found, report)

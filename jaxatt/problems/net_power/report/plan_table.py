@@ -17,7 +17,7 @@ from jaxatt.problems.net_power.record import Energy, energy_of, net_power
 from jaxatt.problems.net_power.report.plan_course import is_plan
 from jaxatt.records.phase import Phase
 
-_COLUMNS = ("mode", "start", "duration [s]", "reached", "energy [J]", "baseline [J]", "gain [J]")
+_COLUMNS = ("mode", "start", "time [s]", "flown", "net [J]", "base [J]", "gain [J]")
 
 
 def plan_table(answer: Answer) -> Table | None:
@@ -31,10 +31,10 @@ def plan_table(answer: Answer) -> Table | None:
         title_justify="left",
         caption_justify="left",
     )
-    table.add_column("task")
+    table.add_column("task", no_wrap=True)
     for name in _COLUMNS:
-        table.add_column(Text(name), justify="left" if name == "mode" else "right")
-    table.add_column(Text("gain [%]"), justify="right")
+        table.add_column(Text(name), justify="left" if name == "mode" else "right", no_wrap=True)
+    table.add_column(Text("[%]"), justify="right", no_wrap=True)
     orbit = answer.scenario.orbit
     days = None if orbit is None else orbit.days
     for phase in answer.phases:
@@ -54,21 +54,25 @@ def plan_table(answer: Answer) -> Table | None:
 
 
 def totals(phases: Sequence[Phase]) -> list[tuple[str, Energy]]:
-    """Energies of several tasks together, under the words of the source's table 5.7."""
+    """Energies of several tasks together, in the order of the source's table 5.7.
+
+    There they are called total energy, total and net energy without imaging and comms, and the same
+    excluding task 7, which is the longest.
+    """
     harvests = [phase for phase in phases if net_power(phase).mode == HARVEST]
-    found = [("Total energy", energy_of(phases))]
+    found = [("all tasks", energy_of(phases))]
     if not harvests:
         return found
-    found.append(("Total energy without imaging and comms", energy_of(harvests)))
-    found.append(("Net energy without imaging and comms", _unloaded(energy_of(harvests))))
+    found.append(("harvests", energy_of(harvests)))
+    found.append(("  loads aside", _unloaded(energy_of(harvests))))
     if len(harvests) > 1:
         longest = max(harvests, key=lambda phase: phase.final_time)
-        words = f"excluding {net_power(longest).task}"
+        words = f"but {net_power(longest).task}"
         rest = [phase for phase in phases if phase is not longest]
         kept = [phase for phase in harvests if phase is not longest]
-        found.append((f"Total energy, {words}", energy_of(rest)))
-        found.append((f"Total energy without imaging and comms, {words}", energy_of(kept)))
-        found.append((f"Net energy without imaging and comms, {words}", _unloaded(energy_of(kept))))
+        found.append((f"all {words}", energy_of(rest)))
+        found.append((f"harvests {words}", energy_of(kept)))
+        found.append(("  loads aside", _unloaded(energy_of(kept))))
     return found
 
 

@@ -1,0 +1,112 @@
+"""Improve a plan over its tasks' boundaries, after they were solved one after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from jaxatt.problems.family import Improved, PhaseStart
+from jaxatt.problems.net_power.answers import Answers, judged, phase_manoeuvre
+from jaxatt.problems.net_power.build import carried_on, options_of
+from jaxatt.problems.net_power.found import Solved
+from jaxatt.problems.net_power.manoeuvre import Motion
+from jaxatt.problems.net_power.plan.joint.assemble import Leg
+from jaxatt.problems.net_power.plan.joint.solve import JointAnswer, solve_jointly
+from jaxatt.problems.net_power.record import NetPower, energy_of, net_power
+from jaxatt.problems.scenario import Scenario
+from jaxatt.records.phase import Phase
+from jaxatt.runtime.chunks import Report
+
+_SUBSTEPS = 2
+_WORSE = 1e-6
+"""[J], by which a plan may earn less and still be no worse."""
+
+
+def improved(
+    scenario: Scenario, phases: Sequence[Phase], found: Sequence[Any], report: Report | None
+) -> Improved | None:
+    """Solve all tasks together from where the sequence ended, and fly the plan again.
+
+    The better of both is kept: one that reaches, then the one of more net energy.  None where there
+    is nothing to improve together.
+    """
+    options = options_of(scenario)
+    harvests = sum(task.searched for task in options.tasks)
+    if not options.joint or not harvests or len(options.tasks) < 2:
+        return None
+    if scenario.objective.terminal != "reach":
+        return None
+    legs = [_leg(scenario, index, phase) for index, phase in enumerate(phases)]
+    answer = solve_jointly(legs, scenario.horizon.substeps or _SUBSTEPS, report=report)
+    again, answers = _flown(scenario, answer, phases)
+    gain = energy_of(again).net - energy_of(phases).net
+    missed = [sum(not phase.reached for phase in some) for some in (again, phases)]
+    kept = missed[0] < missed[1] or (missed[0] == missed[1] and gain >= -_WORSE)
+    words = f"the solver {answer.status.meaning}, {answer.iterations} passes"
+    if missed[0] > missed[1]:
+        words += f"; {missed[0]} tasks would not be flown as asked"
+    extra = {"joint": {"gain_J": gain, "kept": kept, "words": words}}
+    if not kept:
+        return Improved(tuple(phases), tuple(found), extra)
+    return Improved(tuple(again), tuple(answers), extra)
+
+
+def _start(index: int, phase: Phase) -> PhaseStart:
+    """Where a phase began, from its record."""
+    series = phase.series
+    motion = Motion(*(series[name][0] for name in ("q_ib", "omega_ib", "omega_bw")))
+    charge = float(series["charge"][0]) if "charge" in series else 0.0
+    return PhaseStart(index, phase.start_time, carried_on(motion, charge))
+
+
+def _leg(scenario: Scenario, index: int, phase: Phase) -> Leg:
+    task = options_of(scenario).tasks[index]
+    start = PhaseStart() if index == 0 else _start(index, phase)
+    decided = options_of(scenario).satellite.decided_dipole
+    return Leg(
+        task,
+        phase_manoeuvre(scenario, start),
+        phase.series["q_ib"],
+        phase.series["omega_ib"],
+        phase.series["omega_bw"],
+        phase.series["torque_wheels"] if task.searched else None,
+        phase.series["dipole"][:-1] if task.searched and decided else None,
+    )
+
+
+def _flown(
+    scenario: Scenario, answer: JointAnswer, before: Sequence[Phase]
+) -> tuple[list[Phase], list[Answers]]:
+    """Fly all tasks again, each from the flown end of the one before."""
+    start = PhaseStart()
+    phases: list[Phase] = []
+    answers: list[Answers] = []
+    for torque, dipole, old in zip(answer.torque, answer.dipole, before, strict=True):
+        solved = None
+        if torque is not None:
+            solved = Solved(
+                torque[None],
+                None if dipole is None else dipole[None],
+                np.full(1, np.nan),
+                np.array([int(answer.status)]),
+                np.array([answer.violation]),
+                np.array([answer.stationarity]),
+                np.array([answer.iterations]),
+            )
+        answers.append(Answers(solved))
+        phase, end = judged(scenario, start, answers[-1])
+        phases.append(_with_starts_of(phase, old))
+        start = start.following(phase, end)
+    return phases, answers
+
+
+def _with_starts_of(phase: Phase, old: Phase) -> Phase:
+    """The phase with what is known of all starts of the search before."""
+    was, now = net_power(old), net_power(phase)
+    section: NetPower = replace(
+        now, start_energy=was.start_energy, share=was.share, minima=was.minima
+    )
+    return replace(phase, starts=old.starts, section=section)
