@@ -226,7 +226,7 @@ class MagneticInterval:
                 + bent.time_time * unit[6]
             )
             for pulled, row_of in zip([*of_turn, *of_rate], [*turns, *spins], strict=True):
-                upper = upper + row_of[:, None] * sum(pulled)[None, :]
+                upper = upper + row_of[:, None] * jnp.asarray(sum(pulled))[None, :]
             lower = lower + jnp.stack([of_time, *(sum(parts) for parts in of_dipole)])
             gathered = gathered + here
             at_end = jnp.where(row.begins, at_end + gathered, at_end)
@@ -235,7 +235,7 @@ class MagneticInterval:
 
         none = jnp.zeros(MOVING, x.dtype)
         blank = jnp.zeros((WIDTH, WIDTH), x.dtype)
-        carry = (costate, none, none, blank, blank[MOVING:])
+        carry: tuple[Array, ...] = (costate, none, none, blank, blank[MOVING:])
         inputs = (rows, following, found.at, found.moved, seen)
         (_, _, _, upper, lower), _ = lax.scan(back, carry, inputs, reverse=True)
         whole = jnp.concatenate([upper[:MOVING], upper[MOVING:] + lower])

@@ -10,11 +10,14 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.attitude.components import Matrix, Quaternion, Scalar, Vector
+from jaxatt.environment.eclipse import gradual_share
 from jaxatt.environment.external import Along
+from jaxatt.environment.occultation import Disks
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
 from jaxatt.spacecraft.panels import collecting_area
 
@@ -53,24 +56,47 @@ def here(time: Array, q0: Quaternion, p: MagneticParameters, form: MagneticForm)
     """Environment at a time () [s] after the start, in the body axes that q0 has."""
     lit, slope, bend = p.environment.lit.to_second_order(p.begin + time)
     first, second = time * slope, time * slope + time**2 * bend
-    width = jnp.asarray(p.shadow_width)
-    edge = jnp.tanh(lit[3] / width)
-    steep = 0.5 * (1.0 - edge**2) / width
     down, gradient = None, None
     if form.gravity_gradient:
         moment = p.environment.at(p.begin + time)
         down = q0.rotate_inverse(moment.position * (-1.0 / moment.position.norm()))
         gradient = moment.gradient
+    orders = (lit, first, second)
+    sun, sun_slope, _ = (q0.rotate_inverse(Vector(*order[0:3])) for order in orders)
+    field, field_slope, field_bend = (q0.rotate_inverse(Vector(*order[6:9])) for order in orders)
+    light, light_slope, light_bend = _light(lit[3:6], first[3:6], second[3:6], p)
     return Here(
-        *(q0.rotate_inverse(Vector(*(b[4 + i] for i in range(3)))) for b in (lit, first, second)),
-        light=0.5 * (1.0 + edge),
-        light_slope=steep * first[3],
-        light_bend=steep * (second[3] - 2.0 * edge / width * first[3] ** 2),
-        sun=q0.rotate_inverse(Vector(lit[0], lit[1], lit[2])),
-        sun_slope=q0.rotate_inverse(Vector(first[0], first[1], first[2])),
+        field=field,
+        field_slope=field_slope,
+        field_bend=field_bend,
+        light=light,
+        light_slope=light_slope,
+        light_bend=light_bend,
+        sun=sun,
+        sun_slope=sun_slope,
         down=down,
         gradient=gradient,
     )
+
+
+def _light(
+    disks: Array, slope: Array, bend: Array, p: MagneticParameters
+) -> tuple[Array, Array, Array]:
+    """Share of the sun's light with two derivatives; those of the disks (3,) are given."""
+    now = jnp.zeros_like(disks[0])
+    if p.shadow is None:
+        return now + 1.0, now, now
+    shadow = p.shadow
+
+    def later(by: Array) -> Array:
+        moved = disks + by * (slope + 0.5 * by * bend)
+        return gradual_share(shadow, Disks(moved[0], moved[1], moved[2]), p.shadow_width)
+
+    def sloped(by: Array) -> tuple[Array, Array]:
+        return jax.jvp(later, (by,), (jnp.ones_like(by),))
+
+    (value, rate), (_, change) = jax.jvp(sloped, (now,), (jnp.ones_like(now),))
+    return value, rate, change
 
 
 def other_torques(omega: Vector, seen: Here, p: MagneticParameters) -> Vector:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import jax
 from jax import Array
 
+from jaxatt.environment.eclipse import Shadow
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.in_time import EnvironmentInTime
 from jaxatt.spacecraft.panels import SolarPanels
@@ -33,7 +34,8 @@ class MagneticForm:
 class MagneticParameters:
     """Parameters; every leaf may be batched, swept or differentiated.
 
-    environment : as a function of time.  panels, irradiance : () [W/m^2].
+    environment : as a function of time.  shadow : of the Earth, or None.
+    panels, irradiance : () [W/m^2], what reaches the battery.
     inertia, inverse : (3, 3) [kg m^2] and its inverse.
     residual : (3,) [A m^2], dipole of the body.  other : external torques without it.
     dipole_limit : (3,) [A m^2].  saturated_power : (3,) [W], of each magnetorquer at its limit.
@@ -45,11 +47,13 @@ class MagneticParameters:
     attitude_weight, rate_weight : k1 and k2 of eq. (6.6), times 1 and s^2 in units of the cost.
     time_weight : k3, in units of the cost a second.
     scale : (), of the cost in the programme.
-    panel_smoothing : alpha of eq. (2.11).  shadow_width : see `smooth_light`.
+    panel_smoothing : alpha of eq. (2.11).  shadow_width : () [rad], greater than 0, of the edges
+    of the shadow, as in `gradual_share`.
     shortest, longest : () [s], limits of the final time.
     """
 
     environment: EnvironmentInTime
+    shadow: Shadow | None
     panels: SolarPanels
     irradiance: Array | float
     inertia: Array
