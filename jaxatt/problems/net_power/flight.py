@@ -8,10 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.problems.net_power.along_flight import (
     AlongFlight,
     along_flight,
@@ -20,12 +18,11 @@ from jaxatt.problems.net_power.along_flight import (
 )
 from jaxatt.problems.net_power.energy import EnergyAccount
 from jaxatt.problems.net_power.flight_lanes import BLOCK, Plant, Row, begin_lanes, fly_block
+from jaxatt.problems.net_power.flight_plant import common_intervals, common_plant
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import chunk_for, in_chunks
 from jaxatt.simulation.light_quadrature import parts_for
-from jaxatt.simulation.magnetic_action import momentum_hold
-from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.steering import GivenTorque, Steering
 
 LEAST_STEPS = 20
@@ -128,18 +125,20 @@ def fly_steered(
     """
     of = np.asarray(of)
     steps = steps or max(steps_for(manoeuvre) for manoeuvre in manoeuvres)
-    count = _same_intervals(manoeuvres)
+    plant, count = common_plant(manoeuvres), common_intervals(manoeuvres)
     parts = parts_for(max(manoeuvre.step for manoeuvre in manoeuvres) / steps)
     padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     shared = len(manoeuvres) == 1
-    once = [along_flight(manoeuvres[0], padded, steps, parts)] if shared else None
-    plant = plant_of(manoeuvres[0])
+    once = {0: along_flight(manoeuvres[0], padded, steps, parts)} if shared else None
 
     def run(lanes: dict[str, Any]) -> dict[str, Floats]:
         which = [0] if shared else list(lanes["of"])
-        around = stacked(once or [along_flight(manoeuvres[k], padded, steps, parts) for k in which])
+        around = once or {
+            k: along_flight(manoeuvres[k], padded, steps, parts) for k in dict.fromkeys(which)
+        }
         step = np.array([manoeuvres[k].step / steps for k in which])
-        return _flown(plant, steering, lanes, around, step, count)
+        places = stacked([around[k] for k in which])
+        return _flown(plant, steering, lanes, places, step, count)
 
     lanes = {
         "of": of,
@@ -180,15 +179,6 @@ def _flown(
     return {name: x[:, : count + (name in AT_NODES)] for name, x in whole.items()}
 
 
-def _same_intervals(manoeuvres: Sequence[Manoeuvre]) -> int:
-    counts = {manoeuvre.intervals for manoeuvre in manoeuvres}
-    if len(counts) > 1:
-        raise ValueError(
-            f"intervals: manoeuvres flown together must have the same number, not {sorted(counts)}"
-        )
-    return counts.pop()
-
-
 def _components(dipole: Any) -> tuple[Floats, ...]:
     return () if dipole is None else tuple(np.moveaxis(np.asarray(dipole, float), -1, 0))
 
@@ -197,21 +187,6 @@ def _padded(row: Row, more: int) -> Row:
     """The data with so many copies of the last interval behind it."""
     longer: Row = jax.tree.map(lambda x: np.pad(x, ((0, 0), (0, more)), mode="edge"), row)
     return longer
-
-
-def plant_of(manoeuvre: Manoeuvre) -> Plant:
-    """What flies in a manoeuvre, as the flights need it."""
-    satellite = manoeuvre.satellite
-    craft, management = satellite.craft, satellite.momentum
-    hold = None
-    if management is not None:
-        if craft.magnetorquers is None:
-            raise ValueError("momentum: the vehicle has no magnetorquers to manage it with")
-        speed = jnp.asarray(management.wheel_speed)
-        law = MomentumDumping(management.gain, speed, printed=True)
-        hold = momentum_hold(craft, craft.magnetorquers, law)
-    powers = Powers(craft, satellite.light.irradiance, satellite.wheel_power)
-    return Plant(powers, satellite.torques, hold)
 
 
 def gathered(

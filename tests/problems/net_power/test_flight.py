@@ -188,6 +188,17 @@ def test_manoeuvres_of_different_length_are_refused():
         fly_many([chapter_4(), short], np.array([0, 1]), np.zeros((2, 80, 3)))
 
 
+def test_manoeuvres_of_different_satellites_are_refused():
+    case = chapter_4()
+    other = dataclasses.replace(case.satellite, wheel_power="wheels")
+    with pytest.raises(ValueError, match="another satellite"):
+        fly_many(
+            [case, dataclasses.replace(case, satellite=other)],
+            np.array([0, 1]),
+            np.zeros((2, 80, 3)),
+        )
+
+
 def test_a_sun_without_a_place_needs_a_date():
     manoeuvre = chapter_4()
     satellite = dataclasses.replace(manoeuvre.satellite, light=Light(1361.0))

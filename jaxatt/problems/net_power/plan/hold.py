@@ -13,8 +13,9 @@ from jax import Array, lax
 
 from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.problems.net_power.along_flight import AlongFlight, along_flight, block_of, stacked
-from jaxatt.problems.net_power.flight import AT_NODES, PoweredFlight, gathered, plant_of
+from jaxatt.problems.net_power.flight import AT_NODES, PoweredFlight, gathered
 from jaxatt.problems.net_power.flight_lanes import BLOCK, Plant
+from jaxatt.problems.net_power.flight_plant import common_intervals, common_plant
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import chunk_for, in_chunks
@@ -43,11 +44,10 @@ def fly_held(manoeuvres: Sequence[Manoeuvre], rates: Any) -> PoweredFlight:
     A difference to the rate it starts with is taken up by the wheels at once.
     In what is returned the wheel torque of an interval is the one of the largest magnitude in it.
     """
-    count = manoeuvres[0].intervals
+    plant, count = common_plant(manoeuvres), common_intervals(manoeuvres)
     padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     steps = max(4, math.ceil(max(one.step for one in manoeuvres) / LONGEST_STEP - 1e-9))
     parts = parts_for(max(one.step for one in manoeuvres) / steps)
-    plant = plant_of(manoeuvres[0])
 
     def run(lanes: dict[str, Any]) -> dict[str, Floats]:
         which = lanes["of"].tolist()
