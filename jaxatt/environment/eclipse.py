@@ -51,9 +51,16 @@ def lit_share(shadow: Shadow, r_i: Array, to_sun: Array, width: Scalar = 0.0) ->
     Source: Kristiansen (2023), algorithm 1.
     """
     seen = shadow.disks(r_i, to_sun)
+    gradual = gradual_share(shadow, seen, width)
     if shadow.penumbra is None:
-        gradual = _step(seen.earth - seen.apart, width + _DISK * seen.sun)
-        return jnp.where(jnp.asarray(width) > 0.0, 1.0 - gradual, seen.visible)
+        return jnp.where(jnp.asarray(width) > 0.0, gradual, seen.visible)
+    return gradual
+
+
+def gradual_share(shadow: Shadow, seen: Disks, width: Scalar) -> Array:
+    """Share (...) of the sun's irradiance by what is seen, with edges of some width [rad] > 0."""
+    if shadow.penumbra is None:
+        return 1.0 - _step(seen.earth - seen.apart, width + _DISK * seen.sun)
     half, full = _step(seen.into_penumbra, width), _step(seen.into_umbra, width)
     return (1.0 - half) + shadow.penumbra * (half - full)
 

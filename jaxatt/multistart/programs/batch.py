@@ -7,22 +7,16 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jax import Array
 
 from jaxatt.multistart.driver import run_starts
 from jaxatt.multistart.programs.starts import ProgramStarts
+from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.method import InteriorPoint, InteriorPointInTurn
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.optimize.lapack import calls_lapack
 from jaxatt.optimize.optimal_control import OptimalControlProgram
-from jaxatt.runtime.chunks import Progress, chunk_for
-
-_MEMORY = 8e6
-"""[bytes] Of a chunk's derivatives, so that they stay near the core."""
-_COPIES = 10
-"""Matrices of the size of a stage's Hessian that a stage has at a time."""
-_LEAST, _MOST = 8, 32
+from jaxatt.runtime.chunks import Progress
 
 
 @dataclass(frozen=True)
@@ -35,17 +29,6 @@ class PathStarts:
     def enter(self, start: ProgramStarts, args: Any) -> tuple[tuple[Array, Array], Any]:
         """Initial controls and states for the solver, and the arguments that all starts share."""
         return (jnp.asarray(start.u), jnp.asarray(start.x)), args
-
-
-def _rows(program: OptimalControlProgram, starts: ProgramStarts) -> int:
-    """Number of starts in one compiled call, small enough for the derivatives to stay in cache."""
-    count, intervals, size = starts.u.shape
-    rows = chunk_for(count)
-    if jax.default_backend() != "cpu":
-        return rows
-    a_start = 8.0 * _COPIES * intervals * (program.error_size + size) ** 2
-    fitting = 1 << max(0, int(np.log2(_MEMORY / a_start)))
-    return min(rows, max(_LEAST, min(_MOST, fitting)))
 
 
 def _in_turn(program: OptimalControlProgram, starts: ProgramStarts, args: Any) -> bool:
@@ -83,7 +66,7 @@ def solve_starts(
         PathStarts(program),
         starts,
         args,
-        rows=_rows(program, starts),
+        rows=rows_of_stages(*starts.u.shape[:2]),
         progress=progress,
     )
     return found

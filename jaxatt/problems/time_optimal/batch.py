@@ -5,21 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any
 
-import jax
 import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.multistart.driver import run_starts
+from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.random_paths import Paths
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.task import ReorientationTask
-from jaxatt.runtime.chunks import Report, chunk_for
-
-_ROWS = 32
-"""At most in a chunk on a CPU: the last start that takes long keeps few idle ones busy."""
+from jaxatt.runtime.chunks import Report
 
 
 @dataclass(frozen=True)
@@ -51,11 +48,6 @@ class PathForm:
         return (jnp.asarray(path.u), jnp.asarray(path.states)), own
 
 
-def _rows(count: int) -> int:
-    rows = chunk_for(count)
-    return min(rows, _ROWS) if jax.default_backend() == "cpu" else rows
-
-
 def solve_paths(
     task: ReorientationTask,
     paths: Paths,
@@ -74,7 +66,7 @@ def solve_paths(
         PathForm(task.form, task.actuation.size),
         paths,
         arguments or task.parameters,
-        rows=rows or _rows(len(paths.u)),
+        rows=rows or rows_of_stages(*paths.u.shape[:2]),
         progress=progress,
     )
     return found

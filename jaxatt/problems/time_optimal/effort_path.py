@@ -13,6 +13,7 @@ import jax
 import numpy as np
 import numpy.typing as npt
 
+from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal.batch import solve_paths
@@ -20,7 +21,7 @@ from jaxatt.problems.time_optimal.random_paths import Paths, random_paths
 from jaxatt.problems.time_optimal.search import FreeTimeFound, evaluate, search_free_time
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import Report, chunk_for
+from jaxatt.runtime.chunks import Report
 
 _WARM = InteriorSettings(barrier=1e-2)
 
@@ -58,7 +59,7 @@ def effort_path(
     weights = np.sort(np.asarray(weights, float))
     middle = task.weighing(float(weights[len(weights) // 2]))
     best = search_free_time(middle, count, seed, report)
-    rows = chunk_for(count)
+    rows = rows_of_stages(count, task.intervals)  # as in the search: nothing is compiled again
     paths = random_paths(middle, 1, seed)
     begin = _warm(middle, best, paths, weights)
     solution = solve_paths(middle, begin, _WARM, None, report, rows)

@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import jax
 import numpy as np
 import pytest
 import scipy_flight
@@ -16,10 +17,14 @@ from jaxatt.problems.net_power.flight import fly, fly_many
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion
 from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
 from jaxatt.problems.reading.vehicles import load_vehicle
+from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.light_quadrature import light_weights, shares_of
 
 SOLAR = 1e-6
 """Allowed relative difference of the solar energies."""
+
+
+evaluated = jax.jit(evaluate, static_argnums=2, compiler_options=RUNS_ONCE)
 
 
 def beside_scipy(manoeuvre, torque, dipole=None):
@@ -28,7 +33,7 @@ def beside_scipy(manoeuvre, torque, dipole=None):
     craft, wheels = satellite.craft, satellite.craft.wheels
     start, length = manoeuvre.start_time, manoeuvre.duration
     grid = np.linspace(start - 5.0, start + length + 5.0, int(length) + 11)
-    along, _ = evaluate(satellite.orbit, satellite.torques, True, grid, satellite.light)
+    along, _ = evaluated(satellite.orbit, satellite.torques, True, grid, satellite.light)
     field, down, sun = (
         CubicSpline(grid, np.asarray(v.array)) for v in (along.field, along.down, along.sun)
     )

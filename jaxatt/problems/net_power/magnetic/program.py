@@ -1,0 +1,95 @@
+"""Programme of a manoeuvre by magnetorquers alone in free time, eq. (6.2).
+
+    minimise  J_F - (1/T) integral of P dt + k3 T   over dipoles m_k and the final time T
+
+or, by energy, J_F - integral of P dt + k3 T.  The logarithm of the final time is a state that
+nothing changes and whose first value is decided with the dipoles (time dilation); the nodes move
+with it, and with them field, sun and eclipse.  A state holds q_ib, omega_ib [rad/s] and that
+logarithm; a control is a dipole in units of its limit.
+
+Source: Kristiansen (2023), chapter 6.
+"""
+
+from __future__ import annotations
+
+import functools
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.attitude.components import Quaternion, Vector
+from jaxatt.attitude.state_manifold import difference, retract
+from jaxatt.optimize.optimal_control import OptimalControlProgram
+from jaxatt.optimize.transcription.runge_kutta import Interval
+from jaxatt.problems.net_power.magnetic.derivatives import StageDerivatives
+from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
+
+_LONGEST = 1e9
+
+
+@functools.cache
+def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
+    """Programme of `MagneticParameters`."""
+    stage = StageDerivatives(form)
+
+    def start(p: MagneticParameters) -> Array:
+        return jnp.concatenate([p.start, jnp.log(jnp.asarray(p.final_time))[None]])
+
+    def cost(
+        x: Array, u: Array, interval: Interval, p: MagneticParameters, smoothing: Array
+    ) -> Array:
+        return stage.moved(x, u, interval, p)[1]
+
+    def terminal_cost(x: Array, p: MagneticParameters) -> Array:
+        final = jnp.exp(x[-1])
+        total = p.time_weight * final
+        if not form.reach:
+            q, rate = relative(x, p)
+            missed = rate - p.reference_rate
+            total = total + p.attitude_weight * (1.0 - jnp.sum(q * p.reference))
+            total = total + p.rate_weight * jnp.sum(missed**2)
+        return p.scale * total
+
+    def final_rows(x: Array, p: MagneticParameters) -> Array:
+        q, rate = relative(x, p)
+        return jnp.concatenate(
+            [attitude_row(p.reference, q), RATE_SCALE * (rate - p.reference_rate)]
+        )
+
+    def final_inequality(x: Array, p: MagneticParameters) -> Array:
+        final = jnp.exp(x[-1])
+        longest = jnp.minimum(jnp.asarray(p.longest), _LONGEST)
+        return jnp.stack([1.0 - p.shortest / final, 1.0 - final / longest])
+
+    return OptimalControlProgram(
+        start=start,
+        stages=lambda p: Interval(jnp.asarray(p.time), jnp.asarray(p.share)),
+        dynamics=lambda x, u, interval, p: stage.moved(x, u, interval, p)[0],
+        cost=cost,
+        error_size=7,
+        control_size=3,
+        terminal_cost=terminal_cost,
+        retract=retract,
+        difference=difference,
+        final_rows=final_rows if form.reach else None,
+        final_inequality=final_inequality,
+        limits=lambda interval, p: (-jnp.ones(3), jnp.ones(3)),
+        free_start=1,
+        linearisation=stage.linearisation,
+        lagrangian_hessian=stage.lagrangian_hessian,
+        moved=stage.moved,
+        flight=lambda x, u, interval, p, finer: stage.moved(x, u, interval, p, finer)[0],
+    )
+
+
+def relative(x: Array, p: MagneticParameters) -> tuple[Array, Array]:
+    """Attitude q_ob (4,) and rate omega_ob (3,) [rad/s] of a last state.
+
+    The rate relative to the orbit frame is algebraic: omega_ib - R(q_ob)' omega_io.
+    """
+    here = p.environment.at(p.begin + jnp.exp(x[-1]))
+    q = here.q_io.conjugate().multiply(Quaternion.of(x[:4]).normalized())
+    zero = 0.0 * here.orbit_rate
+    moved = q.rotate_inverse(Vector(zero, here.orbit_rate, zero))
+    return q.array, x[4:7] - moved.array
