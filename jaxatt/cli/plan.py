@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,7 +12,8 @@ from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
 from jaxatt.pipeline.solve import solve
 from jaxatt.report.tables import result_table
 from jaxatt.runtime.progress import Reporter
-from jaxatt.scenarios import ScenarioError
+from jaxatt.scenarios import Scenario, ScenarioError
+from jaxatt.studies.plan_year import STARTS, plan_year, read_dates
 
 
 def plan(
@@ -24,6 +26,15 @@ def plan(
             "--joint/--sequence",
             help="Improve all tasks together after they were solved one after the other, or not.",
             show_default="the scenario's",
+        ),
+    ] = None,
+    dates: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FIRST:LAST[:DAYS]",
+            help="Plan on each of these dates, with the sun and the shadow of the date, and show "
+            "what is gained over the year.",
+            show_default=False,
         ),
     ] = None,
     out: Out = None,
@@ -39,6 +50,9 @@ def plan(
                 f"{scenario.name}: has no [[tasks]] to plan; use jaxatt solve, or add some"
             )
         prepare_jax(compile_cache)
+        if dates is not None:
+            _over_dates(scenario, dates, starts, seed, folder, quiet)
+            return
         with Reporter(scenario.solver.starts, quiet) as report:
             result = solve(scenario, report=report)
         if not quiet:
@@ -46,3 +60,16 @@ def plan(
         finish(repr(result), result.save(folder), folder, quiet)
         if not result.reached:
             raise typer.Exit(NOT_REACHED)
+
+
+def _over_dates(
+    scenario: Scenario, dates: str, starts: int | None, seed: int | None, folder: Path, quiet: bool
+) -> None:
+    days = read_dates(dates, scenario)
+    with Reporter(len(days) * (starts or STARTS), quiet) as report:
+        year = plan_year(scenario, days, starts=starts, seed=seed, report=report)
+    if not quiet:
+        show(year.table())
+    finish(repr(year), year.save(folder), folder, quiet)
+    if not year.reached:
+        raise typer.Exit(NOT_REACHED)

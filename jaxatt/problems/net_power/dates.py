@@ -1,0 +1,231 @@
+"""One plan on many dates: all dates of a task in one batch, task after task."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from jaxatt.environment import igrf
+from jaxatt.environment.epoch import J2000, decimal_year
+from jaxatt.optimize.status import Status
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.net_power.baseline import fly_baseline
+from jaxatt.problems.net_power.build import beginning, options_of
+from jaxatt.problems.net_power.flight import PoweredFlight, fly_many
+from jaxatt.problems.net_power.found import Solved
+from jaxatt.problems.net_power.judge import judge_flight
+from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion, Satellite
+from jaxatt.problems.net_power.plan.floor import check_floor
+from jaxatt.problems.net_power.plan.hold import fly_held
+from jaxatt.problems.net_power.plan.manoeuvre import Terms, held_rate, task_manoeuvre
+from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.wheels.search import search_wheels
+from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.verdict import Verdict
+from jaxatt.runtime.arrays import Flags, Floats
+from jaxatt.runtime.chunks import Report
+
+_TRIES = 3
+"""Answers of a date that are flown, the best by the solver's count first, until one reaches."""
+
+
+@dataclass(frozen=True, eq=False)
+class DatedPlan:
+    """A plan on D dates, of T tasks.
+
+    days : (D,), epochs since J2000.  net, baseline : (D, T) [J], by the flights; not a number after
+    a task that was not flown as asked.  least_charge : (D,) [J].
+    reason : why a date's plan cannot be flown, and which task; empty where it can.
+    """
+
+    days: Floats
+    net: Floats
+    baseline: Floats
+    least_charge: Floats
+    reason: tuple[str, ...]
+
+    @property
+    def reached(self) -> Flags:
+        """Dates on which every task is flown as asked, (D,)."""
+        return np.array([not reason for reason in self.reason], bool)
+
+
+@dataclass(eq=False)
+class _Dates:
+    """Dates under way: where each stands after the last task, and what it has earned."""
+
+    satellites: list[Satellite | None]
+    motion: list[Motion]
+    charge: Floats
+    net: Floats
+    baseline: Floats
+    least: Floats
+    reason: list[str]
+
+    @property
+    def going(self) -> list[int]:
+        """Dates whose plans go on."""
+        return [k for k, reason in enumerate(self.reason) if not reason]
+
+
+def plan_on_dates(
+    scenario: Scenario, days: Floats, starts: int, seed: int, report: Report | None
+) -> DatedPlan:
+    """Solve the plan of a scenario on other dates, each in sequence from its own flown ends.
+
+    The orbit keeps its elements in inertial axes; the sun, the shadow and the magnetic field are
+    those of the dates, and so targets on the ground are not looked for.
+    days : (D,), epochs since J2000.  starts : of every harvest on every date.
+    """
+    options = options_of(scenario)
+    satellites, reasons = _satellites(scenario, days)
+    motion, charge = beginning(scenario, PhaseStart())
+    count, tasks = len(days), options.tasks
+    dates = _Dates(
+        satellites,
+        [motion] * count,
+        np.full(count, charge),
+        np.full((count, len(tasks)), np.nan),
+        np.full((count, len(tasks)), np.nan),
+        np.full(count, charge),
+        reasons,
+    )
+    for index, task in enumerate(tasks):
+        rows = dates.going
+        if not rows:
+            break
+        manoeuvres = [_manoeuvre(scenario, dates, index, k) for k in rows]
+        stage = _named(report, task, index, len(tasks))
+        if task.searched:
+            flight, verdict = _harvests(manoeuvres, starts, seed, stage)
+            law = options.baseline
+            base = flight if law is None else fly_baseline(manoeuvres, law)
+        else:
+            flight = fly_held(manoeuvres, np.tile(held_rate(task), (len(rows), 1)))
+            verdict, base = judge_flight(manoeuvres[0], flight), flight
+            if stage is not None:
+                stage("flying", len(rows))
+        _note(dates, rows, index, task, flight, verdict, base)
+    return DatedPlan(days, dates.net, dates.baseline, dates.least, tuple(dates.reason))
+
+
+def _satellites(scenario: Scenario, days: Floats) -> tuple[list[Satellite | None], list[str]]:
+    """The satellite on each date; None with a reason where there is none."""
+    options = options_of(scenario)
+    satellite = options.satellite
+    found: list[Satellite | None] = []
+    reasons: list[str] = []
+    if satellite.orbit is None:
+        raise ScenarioError(f"{scenario.origin}: [orbit]: missing, and dates need one; add it")
+    light = replace(satellite.light, sun=None)
+    for day in days:
+        year = decimal_year(J2000 + dt.timedelta(days=float(day)))
+        try:
+            field = None if satellite.orbit.field is None else igrf.at_year(year)
+            orbit = replace(satellite.orbit, days=float(day), field=field)
+            dated = replace(satellite, orbit=orbit, light=light)
+            check_floor(options.tasks, dated, options.floor, scenario.origin, float(day))
+        except ValueError as error:
+            found.append(None)
+            reasons.append(str(error))
+        else:
+            found.append(dated)
+            reasons.append("")
+    return found, reasons
+
+
+def _manoeuvre(scenario: Scenario, dates: _Dates, index: int, k: int) -> Manoeuvre:
+    options, satellite = options_of(scenario), dates.satellites[k]
+    assert satellite is not None
+    terms = Terms(
+        scenario.objective.terminal,
+        options.weights.attitude,
+        options.weights.rate,
+        scenario.horizon.substeps,
+        options.floor,
+    )
+    return task_manoeuvre(
+        satellite, options.tasks, index, dates.motion[k], float(dates.charge[k]), terms
+    )
+
+
+def _harvests(
+    manoeuvres: Sequence[Manoeuvre], starts: int, seed: int, report: Report | None
+) -> tuple[PoweredFlight, Verdict]:
+    """Search a harvest on all dates, and fly the best answer of each that reaches."""
+    solved = search_wheels(manoeuvres, starts, seed, report)
+    ranks = [_ranked(answers) for answers in solved]
+    chosen = [0] * len(manoeuvres)
+    for attempt in range(min(_TRIES, min(len(rank) for rank in ranks))):
+        torque = np.stack([s.torque[r[c]] for s, r, c in zip(solved, ranks, chosen, strict=True)])
+        dipole = None
+        if solved[0].dipole is not None:
+            dipole = np.stack(
+                [
+                    s.dipole[r[c]]
+                    for s, r, c in zip(solved, ranks, chosen, strict=True)
+                    if s.dipole is not None
+                ]
+            )
+        flight = fly_many(manoeuvres, np.arange(len(manoeuvres)), torque, dipole)
+        verdict = judge_flight(manoeuvres[0], flight, dipole is not None)
+        if verdict.reached.all() or attempt + 1 == _TRIES:
+            break
+        last = attempt + 1
+        chosen = [c if ok else last for c, ok in zip(chosen, verdict.reached, strict=True)]
+    return flight, verdict
+
+
+def _ranked(solved: Solved) -> list[int]:
+    """Starts in the order in which they are flown: converged, then by the energy claimed."""
+    failed = ~np.isin(solved.status, [int(Status.CONVERGED), int(Status.FEASIBLE)])
+    order = np.lexsort((-np.nan_to_num(solved.claimed, nan=-np.inf), failed))
+    return [int(k) for k in order]
+
+
+def _note(
+    dates: _Dates,
+    rows: Sequence[int],
+    index: int,
+    task: Task,
+    flight: PoweredFlight,
+    verdict: Verdict,
+    base: PoweredFlight,
+) -> None:
+    """Note what the dates in `rows` earned in a task, and where it left them."""
+    for place, k in enumerate(rows):
+        dates.least[k] = min(dates.least[k], float(flight.energy.least_charge[place]))
+        if not verdict.reached[place]:
+            dates.reason[k] = f'task {index + 1} "{task.name}": {_why(verdict, place)}'
+            continue
+        dates.net[k, index] = flight.energy.net_J[place]
+        dates.baseline[k, index] = base.energy.net_J[place]
+        ends = (flight.q_ib, flight.omega_ib, flight.omega_bw)
+        dates.motion[k] = Motion(*(part[place, -1] for part in ends))
+        dates.charge[k] = flight.energy.charge[place, -1]
+
+
+def _why(verdict: Verdict, place: int) -> str:
+    """What stands in the way of a flight."""
+    words = [
+        f"{name} missed by {error[place] / verdict.tolerances[name]:.3g} times its tolerance"
+        for name, error in verdict.errors.items()
+        if not error[place] <= verdict.tolerances[name]
+    ]
+    if verdict.limit_violation[place] > Verdict.LIMIT_TOLERANCE:
+        words.append(f"a torque limit is exceeded by {verdict.limit_violation[place]:.3g} N m")
+    if verdict.margin_violation[place] > Verdict.MARGIN_TOLERANCE:
+        share = 100.0 * verdict.margin_violation[place]
+        words.append(f"a wheel's speed or the battery's floor is missed by {share:.3g} %")
+    return "; ".join(words)
+
+
+def _named(report: Report | None, task: Task, index: int, count: int) -> Report | None:
+    if report is None:
+        return None
+    name = f"task {index + 1} of {count}, {task.name}"
+    return lambda stage, done: report(f"{stage} ({name})", done)
