@@ -40,7 +40,9 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
     plan = "tasks" in document
     if plan and "target" in document:
-        raise ScenarioError(f"{origin}: [target]: not beside [[tasks]], which have their own")
+        raise ScenarioError(
+            f"{origin}: [target]: not beside [[tasks]], which have their own; drop one of the two"
+        )
     if "plan" in document and not plan:
         raise ScenarioError(f"{origin}: [plan]: there are no [[tasks]]; add some, or drop it")
     horizon = _plan_horizon(document, origin) if plan else _horizon(document, origin)
