@@ -95,6 +95,11 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
 
 
 def _check_actuators(origin: str, craft: Spacecraft, horizon: Horizon) -> None:
+    if craft.thrusters.count:
+        raise ScenarioError(
+            f"{origin}: [vehicle.thrusters]: their propellant is not counted in watts; drop them, "
+            "or use an objective for thrusters"
+        )
     if horizon.free and craft.wheels.count:
         raise ScenarioError(
             f'{origin}: [horizon] final_time = "free": only for satellites with magnetorquers '
