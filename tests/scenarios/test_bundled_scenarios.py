@@ -19,8 +19,10 @@ NAMES = (
     "hypso1-90-45-15",
     "hypso1-90-45-15-keep-out",
     "hypso1-90-45-15-perturbed",
+    "hypso1-netpower",
     "hypso1-path",
     "hypso1-path-two",
+    "hypso2-orbit",
     "minimum-time-180",
     "mrp-k3",
     "mrp-k3-2.5rad",
@@ -33,7 +35,8 @@ NAMES = (
     "mrp-k5-rk4",
     "van-der-pol",
 )
-SPARSE = tuple(name for name in NAMES if not name.startswith("m"))
+EARNING = ("hypso1-netpower", "hypso2-orbit")
+SPARSE = tuple(name for name in NAMES if not name.startswith("m") and name not in EARNING)
 TARGETS = {
     "hypso1-45-0-0": [(45, 0, 0)],
     "hypso1-75-50-15": [(75, 50, 15)],

@@ -44,11 +44,6 @@ def read_satellite(
             f"{origin}: [vehicle.panels]: missing, and without panels no power can be earned; add "
             "it with normals, area_m2 and efficiency"
         )
-    if craft.thrusters.count:
-        raise ScenarioError(
-            f"{origin}: [vehicle.thrusters]: their propellant is not counted in watts; drop them, "
-            "or use an objective for thrusters"
-        )
     light = read_light(document.get("light", {}), origin, orbit)
     torques, gradient = _disturbances(document.get("disturbances", {}), origin, orbit)
     momentum, decided = _magnetorquing(document.get("magnetorquing", {}), origin, craft, orbit)

@@ -40,7 +40,9 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
     plan = "tasks" in document
     if plan and "target" in document:
-        raise ScenarioError(f"{origin}: [target]: not beside [[tasks]], which have their own")
+        raise ScenarioError(
+            f"{origin}: [target]: not beside [[tasks]], which have their own; drop one of the two"
+        )
     if "plan" in document and not plan:
         raise ScenarioError(f"{origin}: [plan]: there are no [[tasks]]; add some, or drop it")
     horizon = _plan_horizon(document, origin) if plan else _horizon(document, origin)
@@ -93,6 +95,11 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
 
 
 def _check_actuators(origin: str, craft: Spacecraft, horizon: Horizon) -> None:
+    if craft.thrusters.count:
+        raise ScenarioError(
+            f"{origin}: [vehicle.thrusters]: their propellant is not counted in watts; drop them, "
+            "or use an objective for thrusters"
+        )
     if horizon.free and craft.wheels.count:
         raise ScenarioError(
             f'{origin}: [horizon] final_time = "free": only for satellites with magnetorquers '
