@@ -97,7 +97,7 @@ def begin(
         place,
         Crossover(jnp.zeros((), int), nothing, place, jnp.asarray(settings.crossover_from, dtype)),
         jnp.asarray(settings.barrier, dtype),
-        jnp.zeros((), dtype),
+        jnp.asarray(settings.shifts.begin, dtype),
         10.0 * jnp.maximum(1.0, missed),
         jnp.full((), RUNNING, int),
         jnp.zeros((), int),

@@ -21,13 +21,14 @@ class Shifts:
     """Regularisation of the Hessian where a model is not convex or a step is rejected.
 
     first : of a row of rejected passes.  growth : from one to the next.  shrink : after an accepted
-    pass; a shift below `least` then becomes 0.
+    pass; a shift below `least` then becomes 0.  begin : of the first pass.
     """
 
     first: float
     growth: float
     shrink: float
     least: float
+    begin: float = 0.0
 
 
 LARGE_SHIFTS = Shifts(1e-4, 4.0, 1.5, 3.0 * 1e-4)

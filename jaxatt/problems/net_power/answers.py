@@ -11,7 +11,7 @@ from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.baseline import fly_baseline
 from jaxatt.problems.net_power.build import beginning, carried_on, manoeuvre_of, options_of
-from jaxatt.problems.net_power.flight import PoweredFlight, fly
+from jaxatt.problems.net_power.flight import fly
 from jaxatt.problems.net_power.found import Flown, Solved, ranked
 from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
@@ -20,17 +20,17 @@ from jaxatt.problems.net_power.plan.hold import fly_held
 from jaxatt.problems.net_power.plan.judge import judge_held
 from jaxatt.problems.net_power.plan.manoeuvre import Terms, held_rate, task_manoeuvre
 from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.printed_cost import printed_cost
 from jaxatt.problems.net_power.record import NetPower
 from jaxatt.problems.net_power.wheels.search import search_wheels
 from jaxatt.problems.scenario import Scenario
 from jaxatt.records.phase import Phase
-from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Answers to one phase: of a search, or None where a task prescribes the attitude."""
+    """Answers to one phase; None where a task prescribes the attitude."""
 
     solved: Solved | None
 
@@ -64,7 +64,9 @@ def searched(scenario: Scenario, start: PhaseStart, report: Report | None) -> An
         return Answers(None)
     manoeuvre, solver = phase_manoeuvre(scenario, start), scenario.solver
     named = report if task is None or report is None else _named(report, task.name)
-    (solved,) = search_wheels([manoeuvre], solver.starts, solver.seed, named)
+    (solved,) = search_wheels(
+        [manoeuvre], solver.starts, solver.seed, named, shared=task is not None
+    )
     return Answers(solved)
 
 
@@ -89,21 +91,9 @@ def flown_again(manoeuvre: Manoeuvre, solved: Solved) -> Flown:
     """Fly and judge the answers of a solver, and choose the best."""
     flight = fly(manoeuvre, solved.torque, solved.dipole)
     verdict = judge_flight(manoeuvre, flight, solved.dipole is not None)
-    score = flight.energy.net_J
-    if manoeuvre.terminal == "penalty" and manoeuvre.end is not None:
-        score = score - printed_cost(manoeuvre, flight)
+    score = flight.energy.net_J - printed_cost(manoeuvre, flight)
     scale = float(np.nanmax(np.abs(flight.energy.solar_J), initial=1.0))
     return ranked(manoeuvre, solved, flight, verdict, score, scale)
-
-
-def printed_cost(manoeuvre: Manoeuvre, flight: PoweredFlight) -> Floats:
-    """Weighted errors at the end (3.5) of some flights, (S,) [J]."""
-    end = manoeuvre.end
-    assert end is not None
-    alike = np.abs(flight.q_ib[:, -1] @ end.q_ib)
-    squared = ((flight.omega_ib[:, -1] - end.omega_ib) ** 2).sum(axis=-1)
-    cost: Floats = manoeuvre.attitude_weight * (1.0 - alike) + manoeuvre.rate_weight * squared
-    return cost
 
 
 def held(task: Task, manoeuvre: Manoeuvre) -> Flown:

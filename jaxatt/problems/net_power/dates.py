@@ -157,7 +157,7 @@ def _harvests(
     manoeuvres: Sequence[Manoeuvre], starts: int, seed: int, report: Report | None
 ) -> tuple[PoweredFlight, Verdict]:
     """Search a harvest on all dates, and fly the best answer of each that reaches."""
-    solved = search_wheels(manoeuvres, starts, seed, report)
+    solved = search_wheels(manoeuvres, starts, seed, report, shared=True)
     ranks = [_ranked(answers) for answers in solved]
     chosen = [0] * len(manoeuvres)
     for attempt in range(min(_TRIES, min(len(rank) for rank in ranks))):

@@ -34,6 +34,12 @@ class Solved:
     stationarity: Floats
     iterations: npt.NDArray[np.int64]
 
+    def pick(self, rows: npt.NDArray[np.int64]) -> Solved:
+        """Answers of some of the starts."""
+        return Solved(
+            **{name: None if value is None else value[rows] for name, value in vars(self).items()}
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Flown:

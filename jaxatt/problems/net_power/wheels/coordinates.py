@@ -72,12 +72,17 @@ def lost_rate(x: Array, p: WheelsParameters, form: WheelsForm) -> Components:
     return parts(product(p.to_rate, stored(x, form)))
 
 
+def rate_of(x: Array, momentum: Components, p: WheelsParameters, form: WheelsForm) -> Components:
+    """Rate omega_ib [rad/s] in body axes, of the total momentum in body axes."""
+    return added(matvec(p.inverse, momentum), times(-1.0, lost_rate(x, p, form)))
+
+
 def rate(x: Array, p: WheelsParameters, form: WheelsForm) -> Components:
     """Rate omega_ib [rad/s] in body axes."""
     lost = times(-1.0, lost_rate(x, p, form))
     if form.momentum == "zero":
         return lost
-    return added(matvec(p.inverse, to_body(quaternion(x), total_momentum(x, p, form))), lost)
+    return rate_of(x, to_body(quaternion(x), total_momentum(x, p, form)), p, form)
 
 
 def course(x: Array, u: Array, p: WheelsParameters, form: WheelsForm) -> Course:
@@ -103,15 +108,15 @@ def dipole(controls: Controls, p: WheelsParameters, form: WheelsForm) -> Compone
 
 
 def wheel_power(
-    y_mean: Array, mean_rate: Components, scaled: Array, p: WheelsParameters, form: WheelsForm
+    y: Array, omega: Components, scaled: Array, p: WheelsParameters, form: WheelsForm
 ) -> Array:
-    """Power of the wheels (m,) over `power_scale`, averaged over an interval.
+    """Mechanical power of the wheels (c,) over `power_scale`.
 
     One sum over body axes, (A tau) . (A omega_bw), or tau_i omega_bw,i of every wheel.
-    y_mean : (k,), coordinates of the wheels' momentum in the middle of the interval.
+    y : (k,), coordinates of the wheels' momentum.
     """
     torque = p.torque_limit * scaled
-    spins = wheel_speeds(y_mean, mean_rate, p, form)
+    spins = wheel_speeds(y, omega, p, form)
     if form.power == "body":
         pushed = product(p.axes, torque)
         return jnp.sum(pushed * spins, keepdims=True) / p.power_scale

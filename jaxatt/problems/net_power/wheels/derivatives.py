@@ -9,7 +9,7 @@ the panels and the wheels' power; those of external torques, which are small, ar
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -32,7 +32,7 @@ class Kept(NamedTuple):
     turn : (3,), rotation vector of the interval, nearly.  chart : (3, 3), of the gap.
     back : (3, 3), R(dq)'.  turning : (3, z), turn at the end of the interval by z, other than that
     of the body itself.  sunlit : (6,), Hessian of the sunlight by the turn.
-    spins : (r, z) [rad/s], wheel speeds of the power by z, or none.
+    spins : (2 r, z) [rad/s], wheel speeds of the power by z at both ends, or none.
     dipole : (3,) and by_dipole : (3, z) [A m^2], or none.
     """
 
@@ -169,14 +169,14 @@ class IntervalDerivatives:
         self, x: Array, u: Array, x_next: Array, stage: WheelStage, p: WheelsParameters
     ) -> Linearisation:
         """See `OptimalControlProgram.linearisation`."""
-        form, h, dtype = self.form, p.step, x.dtype
+        form, h, dtype = self.form, stage.step, x.dtype
         controls = at.split(u, form)
         start = at.course(x, u, p, form)
         nothing = jnp.zeros(self.directions.size, dtype)
 
         def moved(by: Array) -> tuple[Array, Array]:
             found = motion(self.directions.moved(start, by), h, stage.along, p, form)
-            small = (*found.mean_rate, *found.push, *found.dipole)
+            small = (*found.rate, *found.end_rate, *found.push, *found.dipole)
             return jnp.stack(found.turn), jnp.stack(small)
 
         (dq, small), (turned, changed) = jax.vmap(
@@ -188,7 +188,7 @@ class IntervalDerivatives:
         sigma = times(1.0 / jnp.maximum(1.0 + missing[0], 1e-6), missing[1:])
         chart, back = _chart(sigma), _back(turn)
         rates = multiplied(_conjugate(turn), tuple(turned[:, i] for i in range(4)))[1:]
-        to_slope = p.to_stored if not form.each else _matrix_product(p.to_rate, p.to_stored)
+        to_slope = self._to_slope(p)
         turning = [self._by_z(2.0 * r, p, to_slope) for r in rates]
         k, rows = form.stored, []
         flat, still = jnp.zeros(3, dtype), jnp.zeros(k, dtype)
@@ -206,27 +206,27 @@ class IntervalDerivatives:
         rows += [self._row(flat, own[i], h * p.to_stored[i]) for i in range(k)]
         if form.torqued:
             first = 4 + k
-            pushed = small[3:6] / p.momentum_scale
+            pushed = small[6:9] / p.momentum_scale
             gap.append(x[first : first + 3] + pushed - x_next[first : first + 3])
             kept_total, idle = jnp.eye(3, dtype=dtype), jnp.zeros(form.wheels, dtype)
             rows += [
-                self._by_z(changed[:, 3 + i] / p.momentum_scale, p, to_slope)
+                self._by_z(changed[:, 6 + i] / p.momentum_scale, p, to_slope)
                 + self._row(flat, still, idle, total=kept_total[i])
                 for i in range(3)
             ]
         by_dipole = jnp.zeros((0, form.error_size + form.controls), dtype)
         if form.magnetorquers == "managing":
-            by_dipole = jnp.stack([self._by_z(changed[:, 6 + i], p, to_slope) for i in range(3)])
-        cost, by_cost, sunlit = self._cost(x, controls, stage, p, small[6:9], by_dipole)
+            by_dipole = jnp.stack([self._by_z(changed[:, 9 + i], p, to_slope) for i in range(3)])
+        cost, by_cost, sunlit = self._cost(x, controls, stage, p, small[9:12], by_dipole)
         if form.charge:
             # The load only empties the battery.
             spent = cost + h * p.load / p.energy_scale
             gap.append((x[-1] - spent - x_next[-1])[None])
             idle = jnp.zeros(form.wheels, dtype)
             rows.append(self._row(flat, still, idle, charge=jnp.ones(1, dtype)) - by_cost)
-        effort = 2.0 * h * p.effort / p.energy_scale * controls.scaled
+        effort = 2.0 * p.step * p.effort / p.energy_scale * controls.scaled
         priced = by_cost + self._row(flat, still, effort)
-        margins, slope, spins = self._margins(x, controls, small, changed, p, to_slope)
+        margins, slope, spins = self._margins(x, controls, h, small, changed, p, to_slope)
         scale = 4.0 / jnp.maximum(1.0 + dq[0], 1e-6)
         kept = Kept(
             scale * dq[1:],
@@ -235,7 +235,7 @@ class IntervalDerivatives:
             jnp.stack(turning),
             sunlit,
             spins,
-            small[6:9],
+            small[9:12],
             by_dipole,
         )
         return Linearisation(jnp.concatenate(gap), jnp.stack(rows), priced, kept, margins, slope)
@@ -250,7 +250,7 @@ class IntervalDerivatives:
         by_dipole: Array,
     ) -> tuple[Array, Array, Array]:
         """Cost of an interval without its effort, its slope (z,), and (6,) that of the sunlight."""
-        form, h, dtype = self.form, p.step, x.dtype
+        form, dtype = self.form, x.dtype
         sun = to_body(at.quaternion(x), at.parts(stage.sun))
         found = collected(p.panels, sun, p.smoothing)
         gradient, hessian = by_turn(found, sun)
@@ -259,9 +259,10 @@ class IntervalDerivatives:
         none = jnp.zeros(form.wheels, dtype)
         powers = dipoles = None
         if form.powers:
-            price = h * p.power_scale / p.energy_scale
+            price = 0.5 * p.step * p.power_scale / p.energy_scale
             cost = cost + price * jnp.sum(controls.powers)
             powers = jnp.full(form.powers, 1.0, dtype) * price
+        h = stage.step if form.magnetorquers == "managing" else p.step
         price, loss = h * p.dipole_price / p.energy_scale, h * p.dipole_loss / p.energy_scale
         if form.dipoles:
             each = price * p.dipole_limit
@@ -284,53 +285,58 @@ class IntervalDerivatives:
         self,
         x: Array,
         controls: at.Controls,
+        h: Array,
         small: Array,
         changed: Array,
         p: WheelsParameters,
         to_slope: Array,
     ) -> tuple[Array, Array, Array]:
         """Path inequalities, their slopes, and the slopes of the wheel speeds in them."""
-        form, h, dtype = self.form, p.step, x.dtype
+        form, dtype = self.form, x.dtype
         width = form.error_size + form.controls
         margins, slopes = [], []
         spins = jnp.zeros((0, width), dtype)
         if form.powers:
-            half = 0.5 * h
-            y = at.stored(x, form) + half * at.product(p.to_stored, controls.scaled)
-            mean = at.parts(small)
-            power = at.wheel_power(y, mean, controls.scaled, p, form)
-            by_rate = [self._by_z(changed[:, i], p, to_slope) for i in range(3)]
-            own = jnp.eye(form.stored, dtype=dtype)
-            flat = jnp.zeros(3, dtype)
-            by_y = jnp.stack(
-                [self._row(flat, own[i], half * p.to_stored[i]) for i in range(form.stored)]
-            )
-            by_z = jax.vmap(
-                lambda dy, a, b, c: at.wheel_speeds(dy, (a, b, c), p, form),
-                in_axes=(1, 0, 0, 0),
-                out_axes=1,
-            )(by_y, *by_rate)
-            spins = by_z
-            speeds = at.wheel_speeds(y, mean, p, form)
-            torque = p.torque_limit * controls.scaled
-            still = jnp.zeros(form.stored, dtype)
-            which = jnp.eye(form.powers, dtype=dtype)
+            flat, still = jnp.zeros(3, dtype), jnp.zeros(form.stored, dtype)
             each = jnp.eye(form.wheels, dtype=dtype)
-            for i in range(form.powers):
+            own = jnp.eye(form.stored, dtype=dtype)
+            torque = p.torque_limit * controls.scaled
+            pushed = at.product(p.axes, torque)
+            powers, by_power, turning = [], [], []
+            for late in range(2):
+                part = late * h
+                y = at.stored(x, form) + part * at.product(p.to_stored, controls.scaled)
+                omega = at.parts(small[3 * late : 3 * late + 3])
+                speeds = at.wheel_speeds(y, omega, p, form)
+                by_rate = [self._by_z(changed[:, 3 * late + i], p, to_slope) for i in range(3)]
+                by_y = jnp.stack(
+                    [self._row(flat, own[i], part * p.to_stored[i]) for i in range(form.stored)]
+                )
+                by_z = jax.vmap(
+                    lambda dy, a, b, c: at.wheel_speeds(dy, (a, b, c), p, form),
+                    in_axes=(1, 0, 0, 0),
+                    out_axes=1,
+                )(by_y, *by_rate)
+                turning.append(by_z)
+                powers.append(at.wheel_power(y, omega, controls.scaled, p, form))
                 if form.power == "body":
-                    pushed = at.product(p.axes, torque)
-                    by = sum(pushed[k] * by_z[k] for k in range(3))
-                    own_torque = at.product(p.axes.T, speeds) * p.torque_limit
-                else:
-                    by = torque[i] * by_z[i]
-                    own_torque = p.torque_limit[i] * speeds[i] * each[i]
-                by = (by + self._row(flat, still, own_torque)) / p.power_scale
+                    by = pushed[0] * by_z[0] + pushed[1] * by_z[1] + pushed[2] * by_z[2]
+                    direct = at.product(p.axes.T, speeds) * p.torque_limit
+                    by_power.append((by + self._row(flat, still, direct)) / p.power_scale)
+                    continue
+                for i in range(form.wheels):
+                    direct = p.torque_limit[i] * speeds[i] * each[i]
+                    by = torque[i] * by_z[i] + self._row(flat, still, direct)
+                    by_power.append(by / p.power_scale)
+            power, spins = jnp.concatenate(powers), jnp.concatenate(turning)
+            which = jnp.eye(form.powers, dtype=dtype)
+            for i in range(form.powers):
                 paid = self._row(flat, still, 0.0 * torque, powers=which[i])
                 margins += [
                     controls.powers[i] - p.taken * power[i],
                     controls.powers[i] + p.returned * power[i],
                 ]
-                slopes += [paid - p.taken * by, paid + p.returned * by]
+                slopes += [paid - p.taken * by_power[i], paid + p.returned * by_power[i]]
         if form.charge:
             margins.append(x[-1] - p.floor)
             idle = jnp.zeros(form.wheels, dtype)
@@ -351,174 +357,143 @@ class IntervalDerivatives:
         costate: Array,
         kept: Any,
     ) -> Array:
-        """See `OptimalControlProgram.lagrangian_hessian`."""
-        form, h = self.form, p.step
+        """See `OptimalControlProgram.lagrangian_hessian`.
+
+        Sums of products of two rows in z each, of which the transpose is added: turns a and b in
+        succession make a + b + (a x b) / 2; the turn of an interval bends by a twelfth of h^3 omega
+        x omega', by the exponential's own curvature, and by what the total momentum adds.
+        """
+        form, h = self.form, stage.step
+        width, first = form.error_size + form.controls, form.error_size
         none = jnp.zeros_like(h)
         # What is paid: the charge's costate pays for the cost once more.
         paid = 1.0 - costate[form.error_size - 1] if form.charge else 1.0 + none
-        chart = kept.chart
-        force = tuple(sum(costate[k] * chart[k, i] for k in range(3)) for i in range(3))
-        found: dict[tuple[int, int], Array] = {}
-
-        def add(i: int, j: int, value: Array) -> None:
-            key = (min(i, j), max(i, j))
-            found[key] = found[key] + value if key in found else value
-
-        pairs = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
-        for k, (i, j) in enumerate(pairs):
-            add(i, j, paid * kept.sunlit[k])
-        # Two turns in succession: to second order their vectors add, and half their product.
-        width = form.error_size + form.controls
-        first = form.error_size
-        columns = [*range(3)] if form.momentum != "zero" else []
-        columns += [*range(3, 3 + form.stored), *range(first, first + form.wheels)]
-        for j in columns:
-            moved = at.parts(kept.turning[:, j])
-            crossed = cross(moved, force)
-            for i in range(3):
-                back = at.parts(kept.back[:, i])
-                value = 0.5 * (back[0] * crossed[0] + back[1] * crossed[1] + back[2] * crossed[2])
-                add(i, j, 2.0 * value if i == j else value)
-        if form.momentum != "zero":
-            self._add_momentum(add, x, force, p)
-        # The turn's own bending, and the expansion's leading product of rate and slope.
+        force = at.parts(at.product(kept.chart.T, costate[:3]))
         turn = at.parts(kept.turn)
-        along = sum(f * t for f, t in zip(force, turn, strict=True))
+        turning = tuple(kept.turning[i] for i in range(3))
+        idle = jnp.zeros(form.wheels, costate.dtype)
+        still, flat = jnp.zeros(form.stored, costate.dtype), jnp.zeros(3, costate.dtype)
+        to_slope = self._to_slope(p)
+        slope = tuple(self._row(flat, still, -to_slope[i]) for i in range(3))
+        # Of the exponential: (b x (turn x b)) / 12.
+        along = _dot(force, turn) / 6.0
         bend = [
-            [
-                (2.0 * along * (i == j) - force[i] * turn[j] - turn[i] * force[j]) / 12.0
-                for j in range(3)
-            ]
+            [along * (i == j) - (force[i] * turn[j] + turn[i] * force[j]) / 12.0 for j in range(3)]
             for i in range(3)
         ]
-        wound = h * h * h / 12.0
-        # force . (lost x slope) wound, as a matrix between lost and slope.
-        swirl = [
-            [none, wound * force[2], -wound * force[1]],
-            [-wound * force[2], none, wound * force[0]],
-            [wound * force[1], -wound * force[0], none],
+        half = times(0.5, force)
+        by_turn = _times_rows(kept.back.T, cross(turning, half))
+        curved = [kept.sunlit[k] * paid for k in range(6)]
+        if form.momentum != "zero":
+            q = at.quaternion(x)
+            total = to_body(q, at.total_momentum(x, p, form))
+            omega = at.rate_of(x, total, p, form)
+            pull = matvec(p.inverse.T, force)
+            far = times(h * h * h / 6.0, pull)
+            late = added(times(0.5 * h * h, pull), cross(omega, far))
+            # By the momentum that a turned body sees to second order, phi x (phi x H) / 2.
+            felt = added(times(h, pull), cross(omega, late))
+            level = _dot(felt, total)
+            # By the momentum that a turned body sees, H x phi, with the rate that it makes.
+            seen = added(
+                times(_inverse(h), cross(turning, late)),
+                cross(slope, far),
+                times(_inverse(h), cross(omega, cross(turning, far))),
+            )
+            by_turn = added(by_turn, cross(seen, total))
+            stiff = _inverse(h * h)
+            for i in range(3):
+                for j in range(3):
+                    mixed = far[i] * total[j] + total[i] * far[j]
+                    bend[i][j] = bend[i][j] + stiff * (mixed - 2.0 * _dot(far, total) * (i == j))
+            for k, (i, j) in enumerate(_PAIRS):
+                value = 0.5 * (felt[i] * total[j] + total[i] * felt[j])
+                curved[k] = curved[k] + (value - level if i == j else value)
+        wound = times(h * h / 12.0, cross(slope, force))
+        by_bend = [
+            0.5 * (bend[i][0] * turning[0] + bend[i][1] * turning[1] + bend[i][2] * turning[2])
+            + wound[i]
+            for i in range(3)
         ]
-        to_slope = p.to_stored if not form.each else _matrix_product(p.to_rate, p.to_stored)
-        ways = {3 + i: ("lost", i) for i in range(form.stored)}
-        ways |= {first + j: ("slope", j) for j in range(form.wheels)}
-        for a, (kind_a, i) in ways.items():
-            for b, (kind_b, j) in ways.items():
-                if b < a:
-                    continue
-                left = self._way(kind_a, i, p, to_slope)
-                right = self._way(kind_b, j, p, to_slope)
-                factor = (h if kind_a == "lost" else 0.5 * h * h) * (
-                    h if kind_b == "lost" else 0.5 * h * h
-                )
-                mixed = kind_a != kind_b
-                value = none
-                for r in range(3):
-                    for s in range(3):
-                        if left[r] is None or right[s] is None:
-                            continue
-                        entry = factor * bend[r][s]
-                        if mixed:
-                            entry = entry + swirl[r][s]
-                        value = value + left[r] * entry * right[s]
-                add(a, b, value)
-        for j in range(form.wheels):
-            add(first + j, first + j, 2.0 * h * p.effort / p.energy_scale + none)
+        total_half = _outer(turning, by_bend)
         if form.magnetorquers == "managing":
             size = jnp.sqrt(kept.dipole**2 + p.rounding**2)
             price = p.dipole_price * p.rounding**2 / (size * size * size)
-            curved = paid * h / p.energy_scale * (price + 2.0 * p.dipole_loss)
-            by = kept.by_dipole
-            used = [*range(6), *range(3 + form.stored, first + form.wheels)]
-            for i in used:
-                for j in used:
-                    if j >= i:
-                        add(i, j, sum(curved[k] * by[k, i] * by[k, j] for k in range(3)))
-        for i in range(3 * (form.dipoles > 0)):
-            lost = 2.0 * paid * h * p.dipole_loss[i] * p.dipole_limit[i] ** 2 / p.energy_scale
-            plus = first + form.wheels + form.powers + i
-            add(plus, plus, lost)
-            add(plus, plus + 3, -lost)
-            add(plus + 3, plus + 3, lost)
-        entries = [
-            found.get((min(i, j), max(i, j)), none) for i in range(width) for j in range(width)
-        ]
-        return jnp.stack(entries).reshape(width, width)
-
-    def _add_momentum(
-        self,
-        add: Callable[[int, int, Array], None],
-        x: Array,
-        force: Components,
-        p: WheelsParameters,
-    ) -> None:
-        """Add what the total momentum bends: seen from a turned body it is another vector."""
-        form, h = self.form, p.step
-        q = at.quaternion(x)
-        total = to_body(q, at.total_momentum(x, p, form))
-        pull = matvec(p.inverse.T, times(h, force))
-        along = sum(f * t for f, t in zip(pull, total, strict=True))
-        for i in range(3):
-            for j in range(i, 3):
-                value = 0.5 * (pull[i] * total[j] + total[i] * pull[j])
-                add(i, j, value - along if i == j else value)
-        # The change of the rate, half of h^2 J^-1 (H x omega), by a turn and by the lost rate.
-        late = times(0.5 * h, pull)
-        to_rate = None if not form.each else p.to_rate
-        for j in range(form.stored):
-            lost = tuple(
-                -(to_rate[r, j] if to_rate is not None else jnp.asarray(float(r == j)))
-                for r in range(3)
-            )
-            # late . ((H x phi) x lost) = phi . ((lost x late) x H)
-            row = cross(cross(lost, late), total)
+            weight = 0.5 * paid * h / p.energy_scale * (price + 2.0 * p.dipole_loss)
+            by = tuple(kept.by_dipole[i] for i in range(3))
+            total_half = total_half + _outer(by, [weight[i] * by[i] for i in range(3)])
+        facing = [[curved[_PLACE[min(i, j), max(i, j)]] * 0.5 for j in range(3)] for i in range(3)]
+        rows = [by_turn[i] + self._row(jnp.stack(facing[i]), still, idle) for i in range(3)]
+        zeros = jnp.zeros((width - 3, width), costate.dtype)
+        total_half = total_half + jnp.concatenate([jnp.stack(rows), zeros])
+        priced = self._row(flat, still, idle + p.step * p.effort / p.energy_scale)
+        total_half = total_half + jnp.eye(width, dtype=costate.dtype) * priced[None]
+        if form.dipoles:
+            lost = paid * p.step * p.dipole_loss * p.dipole_limit**2 / p.energy_scale
+            place = first + form.wheels + form.powers
             for i in range(3):
-                add(i, 3 + j, row[i])
-        if form.torqued:
-            for j in range(3):
-                none = jnp.zeros_like(h)
-                unit = tuple(none + float(r == j) * p.momentum_scale for r in range(3))
-                row = cross(pull, to_body(q, unit))
-                for i in range(3):
-                    add(i, 3 + form.stored + j, row[i])
+                way = jnp.zeros(width, costate.dtype).at[place + i].set(1.0)
+                way = way.at[place + 3 + i].set(-1.0)
+                total_half = total_half + lost[i] * way[:, None] * way[None, :]
+        return total_half + total_half.T
 
-    def _way(self, kind: str, i: int, p: WheelsParameters, to_slope: Array) -> list[Any]:
-        """Column of a coordinate in the rate that is lost, or in its slope; None for zero."""
-        if kind == "slope":
-            return [to_slope[r, i] for r in range(3)]
-        if self.form.each:
-            return [p.to_rate[r, i] for r in range(3)]
-        return [1.0 if r == i else None for r in range(3)]
+    def _to_slope(self, p: WheelsParameters) -> Array:
+        """Slope of the lost rate by the scaled torques, (3, n)."""
+        return _matrix_product(p.to_rate, p.to_stored) if self.form.each else p.to_stored
 
     def path_hessian(
         self, x: Array, u: Array, stage: WheelStage, p: WheelsParameters, dual: Array, kept: Any
     ) -> Array:
-        """See `OptimalControlProgram.path_hessian`: of the wheels' power, bilinear in torques
-        and speeds.
+        """See `OptimalControlProgram.path_hessian`: of the wheels' power, bilinear in torques and
+        speeds.
         """
-        form = self.form
+        form, dtype = self.form, dual.dtype
         width = form.error_size + form.controls
-        first = form.error_size
-        none = jnp.zeros_like(p.step)
-        found: dict[tuple[int, int], Array] = {}
-        for i in range(form.powers):
-            weight = (dual[2 * i + 1] * p.returned - dual[2 * i] * p.taken) / p.power_scale
-            used = [*range(3 + form.stored), *range(first, first + form.wheels)]
-            for j in range(form.wheels):
-                if form.power == "body":
-                    row = sum(p.axes[k, j] * kept.spins[k] for k in range(3))
-                elif j == i:
-                    row = kept.spins[i]
-                else:
-                    continue
-                row = weight * p.torque_limit[j] * row
-                for m in used:
-                    key = (min(first + j, m), max(first + j, m))
-                    value = 2.0 * row[m] if m == first + j else row[m]
-                    found[key] = found[key] + value if key in found else value
-        entries = [
-            found.get((min(i, j), max(i, j)), none) for i in range(width) for j in range(width)
+        if not form.powers:
+            return jnp.zeros((width, width), dtype)
+        weight = [
+            (dual[2 * i + 1] * p.returned - dual[2 * i] * p.taken) / p.power_scale
+            for i in range(form.powers)
         ]
-        return jnp.stack(entries).reshape(width, width)
+        flat, still = jnp.zeros(3, dtype), jnp.zeros(form.stored, dtype)
+        if form.power == "body":
+            pushed = [self._row(flat, still, p.axes[k] * p.torque_limit) for k in range(3)]
+            felt = [weight[0] * kept.spins[k] + weight[1] * kept.spins[3 + k] for k in range(3)]
+        else:
+            own, n = jnp.eye(form.wheels, dtype=dtype), form.wheels
+            pushed = [self._row(flat, still, own[k] * p.torque_limit[k]) for k in range(n)]
+            felt = [weight[k] * kept.spins[k] + weight[n + k] * kept.spins[n + k] for k in range(n)]
+        half = _outer(pushed, felt)
+        return half + half.T
+
+
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+_PLACE = {pair: k for k, pair in enumerate(_PAIRS)}
+
+
+def _outer(a: Sequence[Array], b: Sequence[Array]) -> Array:
+    """Sum of the products of the rows of a and of b, (z, z)."""
+    total = a[0][:, None] * b[0][None]
+    for left, right in zip(a[1:], b[1:], strict=True):
+        total = total + left[:, None] * right[None]
+    return total
+
+
+def _times_rows(matrix: Array, rows: Components) -> Components:
+    """Product of a matrix (3, 3) with three rows."""
+    return tuple(
+        matrix[i, 0] * rows[0] + matrix[i, 1] * rows[1] + matrix[i, 2] * rows[2] for i in range(3)
+    )
+
+
+def _inverse(value: Array) -> Array:
+    """Inverse, or 0 of an interval without length."""
+    there = value > 0.0
+    return jnp.where(there, 1.0 / jnp.where(there, value, 1.0), 0.0)
+
+
+def _dot(a: Any, b: Any) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _matrix_product(a: Array, b: Array) -> Array:

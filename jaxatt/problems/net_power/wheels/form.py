@@ -43,7 +43,12 @@ class WheelsForm:
 
     @property
     def powers(self) -> int:
-        """Magnitudes of power that are controls of their own."""
+        """Magnitudes of power, at the beginning and at the end, that are controls of their own."""
+        return 2 * self.channels
+
+    @property
+    def channels(self) -> int:
+        """Powers that are magnitudes."""
         return {"signed": 0, "body": 1, "wheels": self.wheels}[self.power]
 
     @property

@@ -20,13 +20,14 @@ class Motion(NamedTuple):
     """What an interval does; tuples of scalars.
 
     turn : quaternion, from the body axes of its beginning to those of its end.
-    mean_rate : omega_ib [rad/s] in body axes, averaged.
+    rate, end_rate : omega_ib [rad/s] in body axes, at the beginning and at the end.
     push : [N m s], impulse of the external torques in inertial axes.
     dipole : [A m^2], of managing magnetorquers, averaged.
     """
 
     turn: Components
-    mean_rate: Components
+    rate: Components
+    end_rate: Components
     push: Components
     dipole: Components
 
@@ -93,7 +94,7 @@ def _ahead(
     nothing = (none, none, none)
     if form.momentum == "zero":
         return _Ahead(times(-1.0, at.lost), times(-1.0, at.slope), None, nothing, nothing)
-    rate = added(matvec(p.inverse, at.momentum), times(-1.0, at.lost))
+    rate = _rate(at.momentum, at.lost, p, form)
     change = cross(at.momentum, rate)
     slope = added(matvec(p.inverse, change), times(-1.0, at.slope))
     torque = dipole = nothing
@@ -103,6 +104,15 @@ def _ahead(
         slope = added(slope, matvec(p.inverse, torque))
     bend = matvec(p.inverse, added(cross(change, rate), cross(at.momentum, slope)))
     return _Ahead(rate, slope, bend, torque, dipole)
+
+
+def _rate(
+    momentum: Components, lost: Components, p: WheelsParameters, form: WheelsForm
+) -> Components:
+    """Rate omega_ib [rad/s] in body axes."""
+    if form.momentum == "zero":
+        return times(-1.0, lost)
+    return added(matvec(p.inverse, momentum), times(-1.0, lost))
 
 
 def motion(
@@ -118,33 +128,34 @@ def motion(
         at, total = carry
         found = _ahead(at, part, environment, p, form)
         turn = increment(turned(found.rate, found.slope, found.bend, part))
-        mean = added(found.rate, times(0.5 * part, found.slope))
-        if found.bend is not None:
-            mean = added(mean, times(part * part / 6.0, found.bend))
         push, momentum = total.push, at.momentum
         if form.torqued:
             middle = added(times(0.5 * part, found.rate), times(0.125 * part * part, found.slope))
             felt = times(part, to_inertial(increment(middle), found.torque))
             push = added(push, to_inertial(at.attitude, felt))
             momentum = added(at.momentum, felt)
-        share = 1.0 / form.substeps
-        so_far = Motion(
-            multiplied(total.turn, turn),
-            added(total.mean_rate, times(share, mean)),
-            push,
-            added(total.dipole, times(share, found.dipole)),
-        )
+        momentum = to_body(turn, momentum)
+        lost = added(at.lost, times(part, at.slope))
         onward = Course(
             multiplied(at.attitude, turn) if form.torqued else at.attitude,
-            to_body(turn, momentum),
-            added(at.lost, times(part, at.slope)),
+            momentum,
+            lost,
             at.slope,
             at.dipole,
+        )
+        so_far = Motion(
+            multiplied(total.turn, turn),
+            total.rate,
+            _rate(momentum, lost, p, form),
+            push,
+            added(total.dipole, times(1.0 / form.substeps, found.dipole)),
         )
         return (onward, so_far), None
 
     nothing = (none, none, none)
-    begun = (start, Motion((none + 1.0, none, none, none), nothing, nothing, nothing))
+    first_rate = _rate(start.momentum, start.lost, p, form)
+    still = (none + 1.0, none, none, none)
+    begun = (start, Motion(still, first_rate, first_rate, nothing, nothing))
     if form.substeps == 1:
         first = None if along is None else jax.tree.map(lambda leaf: leaf[0], along)
         return step(begun, first)[0][1]

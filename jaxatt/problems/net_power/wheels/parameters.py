@@ -16,6 +16,7 @@ from jaxatt.spacecraft.panels import SolarPanels
 class WheelStage(NamedTuple):
     """What changes from interval to interval.
 
+    step : () [s], length of the interval; 0 in those that only fill up.
     sun : (3,), unit vector in inertial axes at the node where the interval begins.
     shone : () [J/m^2], what falls on a square metre that faces the sun, integrated over the hat
         function of that node; battery's input efficiency included.
@@ -23,6 +24,7 @@ class WheelStage(NamedTuple):
         asks for it.
     """
 
+    step: Array
     sun: Array
     shone: Array
     along: Along | None
@@ -62,7 +64,7 @@ class WheelsParameters:
         where it is negative.
     effort : () [W], small price of squared scaled torques, which decides what is otherwise open.
     panels : of the vehicle.  smoothing : () alpha of (2.11).
-    step : () [s], length of an interval.  stages : leading axis N.
+    step : () [s], length of an interval, for what controls cost.  stages : leading axis N.
     torques : external.  management : law of the magnetorquers.
     dipole_limit : (3,) [A m^2].  dipole_price : (3,) [W/(A m^2)] of magnitudes, dipole_loss : (3,)
         [W/(A m^2)^2] of squares, and rounding : () [A m^2] of the magnitudes.

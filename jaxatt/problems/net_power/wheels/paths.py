@@ -14,8 +14,12 @@ _SMOOTH = 2.0 * np.pi
 """Peak of the second derivative of the smooth profile between 0 and 1 in unit time."""
 _MARGIN = 0.85
 """Share of the wheels' torque that a path takes."""
-_STRAIGHT = 0.1
+_STRAIGHT = 0.08
 """Share of the starts that turn straight to the end."""
+_CHOICE = 8
+"""Sun attitudes that are drawn for every start, and share of the starts that take the quickest."""
+_QUICKEST = 0.75
+_MOST_SHORTENINGS, _SHORTER = 12, 0.8
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,33 +38,42 @@ def ways(task: WheelsTask, count: int, seed: int) -> Way:
     """Draw ways of a task; start i depends on the seed and on i only.
 
     The sun attitudes are those of its best directions, with any roll about the line to the sun.
-    Where there is no time for the whole way, the attitude is moved towards the direct turn.
+    Most starts take the quickest of a few; where there is no time even for that, the attitude is
+    moved towards the direct turn.
     """
-    drawn = np.stack([np.random.default_rng((seed, i)).random(8) for i in range(count)])
-    # Rolls spread evenly, rather than by chance alone: neighbours in number differ most.
-    golden = 0.5 * (np.sqrt(5.0) - 1.0)
-    roll = 2.0 * np.pi * (drawn[0, 0] + golden * np.arange(count)) % (2.0 * np.pi)
-    which = (drawn[:, 1] * len(task.best.body)).astype(int)
-    sun = np.asarray(task.parameters.stages.sun)
-    shone = np.asarray(task.parameters.stages.shone)
-    facing = np.average(sun, axis=0, weights=np.maximum(shone, 1e-12 * (1.0 + shone.max())))
-    facing = facing / np.linalg.norm(facing)
-    middle = _towards(task.best.body[which], facing, roll)
+    drawn = np.stack(
+        [np.random.default_rng((seed, i)).random(4 + 2 * _CHOICE) for i in range(count)]
+    )
     begin, end = _ends(task)
+    shape = (count * _CHOICE,)
+    which = (drawn[:, 4 : 4 + _CHOICE].reshape(shape) * len(task.best.body)).astype(int)
+    roll = 2.0 * np.pi * drawn[:, 4 + _CHOICE :].reshape(shape)
+    offered = _towards(task.best.body[which], _sunward(task), roll)
+    needed = turn_time(task, begin, offered) + turn_time(task, offered, end)
+    needed = needed.reshape(count, _CHOICE)
+    chosen = np.where(drawn[:, 0] < _QUICKEST, needed.argmin(axis=1), 0)
+    middle = offered.reshape(count, _CHOICE, 4)[np.arange(count), chosen]
     total = task.manoeuvre.duration
-    slow = 1.0 + 0.5 * drawn[:, 2:4] ** 2
+    slow = 1.0 + 0.3 * drawn[:, 1:3] ** 2
     direct = product(begin, exponential(0.5 * logarithm(product(conjugate(begin), end))))
     direct = np.broadcast_to(direct, middle.shape)
-    share = np.where(drawn[:, 4] < _STRAIGHT, 0.0, 1.0)
+    share = np.where(drawn[:, 3] < _STRAIGHT, 0.0, 1.0)
     aside = logarithm(product(conjugate(direct), middle))
-    for _ in range(12):
+    for _ in range(_MOST_SHORTENINGS):
         placed = product(direct, exponential(share[:, None] * aside))
         first = slow[:, 0] * turn_time(task, begin, placed)
         second = slow[:, 1] * turn_time(task, placed, end)
-        long = first + second > total
-        share = np.where(long, 0.8 * share, share)
+        share = np.where(first + second > total, _SHORTER * share, share)
     fit = np.minimum(1.0, total / (first + second))
     return Way(placed, first * fit, second * fit)
+
+
+def _sunward(task: WheelsTask) -> Floats:
+    """Mean direction to the sun in inertial axes while it shines, (3,)."""
+    sun, shone = np.asarray(task.parameters.stages.sun), np.asarray(task.parameters.stages.shone)
+    facing = np.average(sun, axis=0, weights=shone + 1e-9)
+    direction: Floats = facing / np.linalg.norm(facing)
+    return direction
 
 
 def _ends(task: WheelsTask) -> tuple[Floats, Floats]:

@@ -1,11 +1,12 @@
 """Programme of a manoeuvre with wheels in fixed time: as much net energy as can be had.
 
-    minimise  - sum of  shone_k area(q_k)  + sum of h m_k / E
+    minimise  - sum of shone_k area(q_k)  + sum of h (m_k + n_k) / 2
 
-over scaled wheel torques and, where power is a magnitude, over magnitudes m_k >= taken p_k, m_k >=
-- returned p_k of the wheels' mean power p_k in an interval, rather than a rounded corner.  The sun
-is weighed at the nodes by the trapezoidal rule, whose error for manoeuvres from rest to rest is of
-fourth order.  "signed" power (4.6) is an exact difference of energy, so it is paid at the end.
+over scaled wheel torques and, where power is a magnitude, over magnitudes of it at the beginning
+and at the end of every interval, m_k >= taken p and m_k >= - returned p, rather than a rounded
+corner.  Power at two instants it is because its mean over an interval can vanish while the wheels
+work.  The sun is weighed at the nodes by the trapezoidal rule, whose error for manoeuvres from rest
+to rest is of fourth order.  "signed" power (4.6) is an exact difference of energy, paid at the end.
 
 Source: Kristiansen (2023), eqs. (4.9), (5.11), with the readings of its chapters 4 and 5.
 """
@@ -36,16 +37,16 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
     closed = IntervalDerivatives(form)
 
     def moved(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> tuple[Array, Array]:
-        found = motion(at.course(x, u, p, form), p.step, stage.along, p, form)
+        found = motion(at.course(x, u, p, form), stage.step, stage.along, p, form)
         cost = spent(x, u, stage, p, found)
         controls = at.split(u, form)
-        y = at.stored(x, form) + p.step * at.product(p.to_stored, controls.scaled)
+        y = at.stored(x, form) + stage.step * at.product(p.to_stored, controls.scaled)
         parts = [jnp.stack(multiplied(at.quaternion(x), found.turn)), y]
         if form.torqued:
             first = 4 + form.stored
             parts.append(x[first : first + 3] + jnp.stack(found.push) / p.momentum_scale)
         if form.charge:
-            parts.append((x[-1] - cost - p.step * p.load / p.energy_scale)[None])
+            parts.append((x[-1] - cost - stage.step * p.load / p.energy_scale)[None])
         effort = p.step * p.effort / p.energy_scale * jnp.sum(controls.scaled**2)
         return jnp.concatenate(parts), cost + effort
 
@@ -53,11 +54,11 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         controls = at.split(u, form)
         sun = to_body(at.quaternion(x), at.parts(stage.sun))
         total = -stage.shone * collected(p.panels, sun, p.smoothing).area
-        total = total + p.step * p.power_scale * jnp.sum(controls.powers)
+        total = total + 0.5 * p.step * p.power_scale * jnp.sum(controls.powers)
         if form.magnetorquers == "managing":
             dipole = jnp.stack(found.dipole)
             sizes = jnp.sqrt(dipole * dipole + p.rounding * p.rounding) - p.rounding
-            total = total + p.step * jnp.sum(p.dipole_price * sizes + p.dipole_loss * dipole**2)
+            total = total + stage.step * jnp.sum(p.dipole_price * sizes + p.dipole_loss * dipole**2)
         if form.dipoles:
             price = p.dipole_price * p.dipole_limit
             both = jnp.concatenate([price, price])
@@ -69,10 +70,13 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
     def inequality(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> Array:
         rows = []
         if form.powers:
-            found = motion(at.course(x, u, p, form), p.step, stage.along, p, form)
+            found = motion(at.course(x, u, p, form), stage.step, stage.along, p, form)
             controls = at.split(u, form)
-            y = at.stored(x, form) + 0.5 * p.step * at.product(p.to_stored, controls.scaled)
-            power = at.wheel_power(y, found.mean_rate, controls.scaled, p, form)
+            y = at.stored(x, form)
+            y_end = y + stage.step * at.product(p.to_stored, controls.scaled)
+            first = at.wheel_power(y, found.rate, controls.scaled, p, form)
+            last = at.wheel_power(y_end, found.end_rate, controls.scaled, p, form)
+            power = jnp.concatenate([first, last])
             for i in range(form.powers):
                 rows += [
                     controls.powers[i] - p.taken * power[i],

@@ -1,104 +1,127 @@
-"""Many starts of one or more manoeuvres with wheels, solved at once."""
+"""Search for the manoeuvre with wheels that earns the most: many starts, checked by fine flights."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
-from jaxatt.multistart.driver import run_starts
-from jaxatt.optimize.interior_point.method import InteriorPoint
-from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
-from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
-from jaxatt.problems.net_power.wheels.form import WheelsForm
-from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
-from jaxatt.problems.net_power.wheels.programme import wheels_programme
-from jaxatt.problems.net_power.wheels.starts import Starts
-from jaxatt.problems.net_power.wheels.task import WheelsTask
-from jaxatt.runtime.chunks import Report, chunk_for
+from jaxatt.optimize.interior_point.solver import InteriorSolution
+from jaxatt.optimize.status import Status
+from jaxatt.problems.net_power.found import Solved
+from jaxatt.problems.net_power.judge import judge_manoeuvre
+from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.net_power.wheels.batch import solve_starts
+from jaxatt.problems.net_power.wheels.lengths import shared_length
+from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts
+from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
+from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.chunks import Report
 
-SETTINGS = InteriorSettings(
-    tolerance=1e-6, barrier=1e-2, max_iterations=150, shifts=SMALL_SHIFTS, crossover_from=0.0
-)
-
-
-@dataclass(frozen=True)
-class WheelsJob:
-    """Static part of a search, as `run_starts` needs it.
-
-    several : whether the parameters of every manoeuvre stand along a leading axis.
-    """
-
-    form: WheelsForm
-    several: bool
-    label: str | None = None
-
-    @property
-    def program(self) -> Any:
-        """Programme for the solver."""
-        return wheels_programme(self.form)
-
-    def enter(
-        self, start: Starts, parameters: WheelsParameters
-    ) -> tuple[tuple[Array, Array], WheelsParameters]:
-        """Initial controls and states for the solver, and the parameters of one start."""
-        own = parameters
-        if self.several:
-            own = jax.tree.map(lambda leaf: jnp.asarray(leaf)[start.task], parameters)
-        own = replace(own, reference=jnp.asarray(start.reference))
-        return (jnp.asarray(start.u), jnp.asarray(start.x)), own
+_MOST_SUBSTEPS = 8
+_FLOWN = 4
+"""Answers, the best of each manoeuvre, that are flown to see whether the steps are fine enough."""
+_FEW = 0.5
+"""Share of them that must end where the solver says."""
 
 
-def solve_starts(
-    tasks: Sequence[WheelsTask],
-    starts: Starts,
-    settings: InteriorSettings = SETTINGS,
+def search_wheels(
+    manoeuvres: Sequence[Manoeuvre],
+    count: int,
+    seed: int,
     report: Report | None = None,
-    rows: int | None = None,
-) -> InteriorSolution:
-    """Solve from all starts of tasks that have one form, and gather the results on the host."""
-    several = len(tasks) > 1
-    parameters: Any = tasks[0].parameters
-    if several:
-        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in tasks))
-    found: InteriorSolution = run_starts(
-        InteriorPoint(settings),
-        WheelsJob(tasks[0].form, several),
-        starts,
-        parameters,
-        rows=rows or chunk_for(len(starts.u)),
-        progress=None if report is None else lambda done: report("solving from all starts", done),
-    )
+    shared: bool = False,
+) -> tuple[Solved, ...]:
+    """Solve from `count` starts each, for several manoeuvres of one shape in one batch.
+
+    manoeuvres : of one number of intervals, one kind of satellite and one kind of end.
+    shared : whether to fill their intervals up to a length that other manoeuvres have, too, so that
+    they share a compiled program.
+
+    Where the best answers do not end where the solver says when they are flown finely, all are
+    solved again with more Runge-Kutta steps an interval, from where they are.
+    """
+    size = shared_length(manoeuvres[0].intervals) if shared else None
+    tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
+    starts = _together([draw_starts(task, count, seed) for task in tasks])
+    solution = solve_starts(tasks, starts, report=report)
+    found = _solved(tasks, starts, solution)
+    substeps = tasks[0].form.substeps
+    while substeps < _MOST_SUBSTEPS and _too_coarse(manoeuvres, found):
+        substeps *= 2
+        tasks = [wheels_task(manoeuvre, substeps, size) for manoeuvre in manoeuvres]
+        starts = continued(starts, solution)
+        solution = solve_starts(tasks, starts, report=report)
+        found = _solved(tasks, starts, solution)
     return found
 
 
-def search_wheels(manoeuvres, count, seed, report=None):  # temporary
-    out = []
-    from jaxatt.problems.net_power.found import Solved
-    from jaxatt.problems.net_power.wheels.starts import draw_starts
-    from jaxatt.problems.net_power.wheels.task import wheels_task
+def solve_wheels(
+    manoeuvre: Manoeuvre, starts: Starts, substeps: int | None = None, size: int | None = None
+) -> Solved:
+    """Solve one manoeuvre from given starts, e.g. from a neighbour's answer."""
+    task = wheels_task(manoeuvre, substeps, size)
+    return _solved([task], starts, solve_starts([task], starts))[0]
 
-    for manoeuvre in manoeuvres:
-        task = wheels_task(manoeuvre)
-        starts = draw_starts(task, count, seed)
-        r = solve_starts([task], starts, report=report)
-        scale = float(task.parameters.energy_scale)
-        n = task.form.wheels
-        torque = np.asarray(r.u)[..., :n] * np.asarray(task.parameters.torque_limit)
-        out.append(
-            Solved(
-                torque,
-                None,
-                -np.asarray(r.objective) * scale,
-                np.asarray(r.status),
-                np.asarray(r.violation),
-                np.asarray(r.stationarity),
-                np.asarray(r.iterations),
-            )
-        )
-    return tuple(out)
+
+def continued(starts: Starts, solution: InteriorSolution) -> Starts:
+    """Starts from where a solve ended, or from where it began where that is not finite."""
+    u, x = np.asarray(solution.u), np.asarray(solution.x)
+    finite = (np.isfinite(u).all(axis=(1, 2)) & np.isfinite(x).all(axis=(1, 2)))[:, None, None]
+    return starts._replace(u=np.where(finite, u, starts.u), x=np.where(finite, x, starts.x))
+
+
+def _together(parts: Sequence[Starts]) -> Starts:
+    """Starts of all manoeuvres, each with its number."""
+    numbered = [
+        part._replace(task=np.full(len(part.u), number, int)) for number, part in enumerate(parts)
+    ]
+    return Starts(*(np.concatenate(leaves) for leaves in zip(*numbered, strict=True)))
+
+
+def _too_coarse(manoeuvres: Sequence[Manoeuvre], found: Sequence[Solved]) -> bool:
+    """Whether answers that the solver is content with do not arrive in flight."""
+    if manoeuvres[0].end is None or manoeuvres[0].terminal != "reach":
+        return False
+    arrived: list[bool] = []
+    most = max(1, _FLOWN // len(manoeuvres))
+    for manoeuvre, solved in zip(manoeuvres, found, strict=True):
+        content = np.flatnonzero(solved.status == int(Status.CONVERGED))
+        best = content[np.argsort(-solved.claimed[content])][:most]
+        if len(best):
+            chosen = solved.pick(best)
+            verdict = judge_manoeuvre(manoeuvre, chosen.torque, chosen.dipole)
+            arrived += verdict.arrives.tolist()
+        if len(arrived) >= _FLOWN:
+            break
+    return bool(arrived) and float(np.mean(arrived)) < _FEW
+
+
+def _solved(
+    tasks: Sequence[WheelsTask], starts: Starts, solution: InteriorSolution
+) -> tuple[Solved, ...]:
+    """Answers to each manoeuvre in SI units, without the intervals that only fill up."""
+    of = np.asarray(starts.task)
+    first = tasks[0]
+    count, form, p = first.manoeuvre.intervals, first.form, first.parameters
+    finite = np.isfinite(solution.u).all(axis=(1, 2))
+    u = np.nan_to_num(np.asarray(solution.u))[:, :count]
+    dipole: Floats | None = None
+    if form.dipoles:
+        parts = u[..., -form.dipoles :] * np.tile(np.asarray(p.dipole_limit), 2)
+        dipole = parts[..., :3] - parts[..., 3:]
+    scaled = u[..., : form.wheels]
+    # The solver also pays a small price of effort, which is none of the energy.
+    paid = float(p.step) * float(p.effort) * (scaled**2).sum(axis=(1, 2))
+    loads = np.array([task.manoeuvre.load * task.manoeuvre.duration for task in tasks])
+    scale = np.array([float(task.parameters.energy_scale) for task in tasks])
+    whole = Solved(
+        torque=scaled * np.asarray(p.torque_limit),
+        dipole=dipole,
+        claimed=paid - np.asarray(solution.objective) * scale[of] - loads[of],
+        status=np.where(finite, solution.status, int(Status.NOT_FINITE)),
+        violation=np.asarray(solution.violation),
+        stationarity=np.asarray(solution.stationarity),
+        iterations=np.asarray(solution.iterations),
+    )
+    return tuple(whole.pick(np.flatnonzero(of == number)) for number in range(len(tasks)))

@@ -49,7 +49,7 @@ def draw_starts(task: WheelsTask, count: int, seed: int) -> Starts:
 
 
 def follow(task: WheelsTask, attitudes: Floats) -> Starts:
-    """Fly along attitudes (S, N + 2, 4) by feedback, from the state that the manoeuvre begins in."""
+    """Fly along attitudes (S, N + 2, 4) by feedback, from where the manoeuvre begins."""
     p, form, h = task.parameters, task.form, task.manoeuvre.step
     count, intervals = len(attitudes), attitudes.shape[1] - 2
     without, inverse = np.asarray(p.without_spin), np.asarray(p.inverse)
@@ -89,10 +89,17 @@ def follow(task: WheelsTask, attitudes: Floats) -> Starts:
     scaled = np.stack(controls, axis=1)
     if form.charge:
         x = np.concatenate([x, np.broadcast_to(p.start[-1], (count, intervals + 1, 1))], axis=2)
-    u = _with_powers(task, x, scaled)
+    u = _filled(_with_powers(task, x, scaled), len(np.asarray(p.stages.step)) - intervals)
+    x = _filled(x, u.shape[1] + 1 - x.shape[1], still=True)
     reference = np.asarray(p.reference)
     sign = np.where(q @ reference < 0.0, -1.0, 1.0)
     return Starts(u, x, sign[:, None] * reference, np.zeros(count, int))
+
+
+def _filled(along: Floats, more: int, still: bool = False) -> Floats:
+    """Add `more` rows to (S, n, c): zeros, or copies of the last one."""
+    last = along[:, -1:] if still else np.zeros_like(along[:, -1:])
+    return np.concatenate([along, np.repeat(last, more, axis=1)], axis=1)
 
 
 def _with_powers(task: WheelsTask, x: Floats, scaled: Floats) -> Floats:
@@ -100,24 +107,31 @@ def _with_powers(task: WheelsTask, x: Floats, scaled: Floats) -> Floats:
     p, form = task.parameters, task.form
     parts = [scaled]
     if form.powers:
-        y = x[..., 4 : 4 + form.stored]
-        middle = 0.5 * (y[:, 1:] + y[:, :-1])
-        momentum = rotated(conjugate(x[:, :-1, :4]), np.asarray(p.total))
-        omega = momentum @ np.asarray(p.inverse).T - middle @ np.asarray(p.to_rate).T
         torque = scaled * np.asarray(p.torque_limit)
-        axes, inertia = np.asarray(p.axes), np.asarray(p.wheel_inertia)
-        if form.each:
-            speeds = float(p.momentum_scale) * middle / inertia - omega @ axes
-            pushed = torque
-            if form.power == "body":
-                pushed, speeds = torque @ axes.T, speeds @ axes.T
-        else:
-            speeds = middle @ np.asarray(p.without_spin).T / inertia[0] - omega @ (axes @ axes.T)
-            pushed = torque @ axes.T
-        power = pushed * speeds / float(p.power_scale)
+        speeds = _speeds(task, x)
         if form.power == "body":
-            power = power.sum(axis=-1, keepdims=True)
+            pushed = torque @ np.asarray(p.axes).T
+            ends = [
+                (pushed * spins).sum(-1, keepdims=True) for spins in (speeds[:, :-1], speeds[:, 1:])
+            ]
+        else:
+            ends = [torque * spins for spins in (speeds[:, :-1], speeds[:, 1:])]
+        power = np.concatenate(ends, axis=-1) / float(p.power_scale)
         parts.append(np.maximum(float(p.taken) * power, -float(p.returned) * power) + _ROOM)
     if form.dipoles:
         parts.append(np.full((*scaled.shape[:2], form.dipoles), _ROOM))
     return np.concatenate(parts, axis=-1)
+
+
+def _speeds(task: WheelsTask, x: Floats) -> Floats:
+    """Wheel speeds as the power needs them at all nodes; see `coordinates.wheel_speeds`."""
+    p, form = task.parameters, task.form
+    y = x[..., 4 : 4 + form.stored]
+    momentum = rotated(conjugate(x[..., :4]), np.asarray(p.total))
+    omega = momentum @ np.asarray(p.inverse).T - y @ np.asarray(p.to_rate).T
+    axes, inertia = np.asarray(p.axes), np.asarray(p.wheel_inertia)
+    if not form.each:
+        summed: Floats = y @ np.asarray(p.without_spin).T / inertia[0] - omega @ (axes @ axes.T)
+        return summed
+    speeds = float(p.momentum_scale) * y / inertia - omega @ axes
+    return speeds @ axes.T if form.power == "body" else speeds

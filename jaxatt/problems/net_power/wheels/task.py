@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+import jax
 import numpy as np
 
 from jaxatt.control.momentum_dumping import MomentumDumping
@@ -49,10 +50,14 @@ def rotation(q: Floats) -> Floats:
     return matrix
 
 
-def wheels_task(manoeuvre: Manoeuvre, substeps: int | None = None) -> WheelsTask:
+def wheels_task(
+    manoeuvre: Manoeuvre, substeps: int | None = None, size: int | None = None
+) -> WheelsTask:
     """Make the task of a manoeuvre.
 
-    substeps : in place of the manoeuvre's own.
+    substeps : in place of the manoeuvre's own.  size : intervals of the programme where they are to
+    be more than the manoeuvre's; those without length fill up, so that manoeuvres of several
+    lengths share a compiled search.
     Raises ValueError where the satellite lacks what the manoeuvre asks for.
     """
     satellite = manoeuvre.satellite
@@ -73,7 +78,8 @@ def wheels_task(manoeuvre: Manoeuvre, substeps: int | None = None) -> WheelsTask
         start.append(total / arms.scale)
     if form.charge:
         start.append(np.array([manoeuvre.charge / power.energy_scale]))
-    stages, last_sun, last_shone = _stages(manoeuvre, form, power.battery)
+    size = max(size or 0, manoeuvre.intervals)
+    stages, last_sun, last_shone = _stages(manoeuvre, form, power.battery, size)
     end = manoeuvre.end
     reference = q if end is None else np.asarray(end.q_ib, float)
     ending = np.zeros(form.stored)
@@ -291,7 +297,7 @@ def _management(satellite: Satellite, craft: Spacecraft, arms: _Arms) -> Managem
 
 
 def _stages(
-    manoeuvre: Manoeuvre, form: WheelsForm, battery: Battery
+    manoeuvre: Manoeuvre, form: WheelsForm, battery: Battery, size: int
 ) -> tuple[WheelStage, Any, Any]:
     satellite, step, count = manoeuvre.satellite, manoeuvre.step, manoeuvre.intervals
     direction, shone = sun_along(
@@ -303,4 +309,8 @@ def _stages(
         within = (np.arange(form.substeps) + 0.5) / form.substeps
         middles = manoeuvre.start_time + step * (np.arange(count)[:, None] + within)
         along = environment(satellite.orbit, satellite.torques, satellite.gravity_gradient, middles)
-    return WheelStage(direction[:-1], shone[:-1], along), direction[-1], shone[-1]
+    stages = WheelStage(np.full(count, step), direction[:-1], shone[:-1], along)
+    idle = jax.tree.map(lambda leaf: np.repeat(leaf[-1:], size - count, axis=0), stages)
+    idle = idle._replace(step=np.zeros(size - count), shone=np.zeros(size - count))
+    filled = jax.tree.map(lambda a, b: np.concatenate([a, b]), stages, idle)
+    return filled, direction[-1], shone[-1]

@@ -1,0 +1,78 @@
+"""Solve of all starts of one or more manoeuvres with wheels, in one batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.multistart.driver import run_starts
+from jaxatt.multistart.staged_chunks import rows_of_stages
+from jaxatt.optimize.interior_point.method import InteriorPoint
+from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
+from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
+from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
+from jaxatt.problems.net_power.wheels.programme import wheels_programme
+from jaxatt.problems.net_power.wheels.starts import Starts
+from jaxatt.problems.net_power.wheels.task import WheelsTask
+from jaxatt.runtime.chunks import Report
+
+SETTINGS = InteriorSettings(
+    tolerance=1e-6, barrier=1e-2, max_iterations=150, shifts=SMALL_SHIFTS, crossover_from=0.0
+)
+
+
+@dataclass(frozen=True)
+class WheelsJob:
+    """Static part of a search, as `run_starts` needs it.
+
+    several : whether the parameters of every manoeuvre stand along a leading axis.
+    """
+
+    form: WheelsForm
+    several: bool
+    label: str | None = None
+
+    @property
+    def program(self) -> Any:
+        """Programme for the solver."""
+        return wheels_programme(self.form)
+
+    def enter(
+        self, start: Starts, parameters: WheelsParameters
+    ) -> tuple[tuple[Array, Array], WheelsParameters]:
+        """Initial controls and states for the solver, and the parameters of one start."""
+        own = parameters
+        if self.several:
+            own = jax.tree.map(lambda leaf: jnp.asarray(leaf)[start.task], parameters)
+        own = replace(own, reference=jnp.asarray(start.reference))
+        return (jnp.asarray(start.u), jnp.asarray(start.x)), own
+
+
+def solve_starts(
+    tasks: Sequence[WheelsTask],
+    starts: Starts,
+    settings: InteriorSettings = SETTINGS,
+    report: Report | None = None,
+    rows: int | None = None,
+) -> InteriorSolution:
+    """Solve from all starts of tasks that have one form, and gather the results on the host."""
+    several = len(tasks) > 1
+    parameters: Any = tasks[0].parameters
+    if several:
+        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in tasks))
+    found: InteriorSolution = run_starts(
+        InteriorPoint(settings),
+        WheelsJob(tasks[0].form, several),
+        starts,
+        parameters,
+        rows=rows or rows_of_stages(*starts.u.shape[:2]),
+        progress=None if report is None else lambda done: report("solving from all starts", done),
+    )
+    return found
