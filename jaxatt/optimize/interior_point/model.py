@@ -53,7 +53,8 @@ class Model(NamedTuple):
     gradient : (N, z) and hessian : (N, z, z), of the Lagrangian without the controls' limits.
     path : (N, p) and path_slope : (N, p, z).  equality : (N, q) and equality_slope : (N, q, z).
     rows : (r,), final_slope : (r, n).  final : (t,), final_path_slope : (t, n).
-    final_hessian : (n, n).  costate : (n,), at the first node.
+    final_hessian : (n, n).  costate : (n,), at the first node, and costates : (N, n), at the others,
+    by the adjoint recursion.
     """
 
     gap: Array
@@ -70,6 +71,7 @@ class Model(NamedTuple):
     final_slope: Array
     final_hessian: Array
     costate: Array
+    costates: Array
 
 
 def limits_along(program: OptimalControlProgram, size: int, args: Any) -> tuple[Array, Array]:
@@ -112,8 +114,18 @@ def _bent(of: Callable[[Array], Array], at: Array) -> Array:
     return jax.vmap(along)(ways[first], ways[second])[place]
 
 
-def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any) -> Model:
-    """Compute the derivatives of all stages."""
+def model(
+    program: OptimalControlProgram,
+    nodes: Nodes,
+    duals: Duals,
+    args: Any,
+    costates: Array | None = None,
+) -> Model:
+    """Compute the derivatives of all stages.
+
+    costates : (N, n), multipliers of the dynamics in the Hessian; None for those of the adjoint
+    recursion.
+    """
     n, size = program.error_size, nodes.u.shape[1]
     dtype = nodes.u.dtype
     rest = jnp.zeros(n, dtype)
@@ -196,10 +208,11 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
     inputs = (nodes.x, following, nodes.u, duals.equality, duals.path)
     gap, dynamics, by_cost, *derived, kept = jax.vmap(first)(*inputs, stages)
     margins, slope, missed, equality_slope = derived
-    costate, (gradient, costates) = lax.scan(
+    costate, (gradient, adjoint) = lax.scan(
         backwards, jax.grad(last)(rest), (dynamics, by_cost), reverse=True
     )
-    hessian = jax.vmap(second)(*inputs, costates, kept, stages)
+    curving = adjoint if costates is None else costates
+    hessian = jax.vmap(second)(*inputs, curving, kept, stages)
     return Model(
         gap,
         dynamics,
@@ -215,6 +228,7 @@ def model(program: OptimalControlProgram, nodes: Nodes, duals: Duals, args: Any)
         slopes_at_end[1],
         _bent(last, rest),
         costate,
+        adjoint,
     )
 
 

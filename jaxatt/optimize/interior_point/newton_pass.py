@@ -49,6 +49,8 @@ PUSH = 1e-2
 """Share of its range by which a start is kept off a limit; least slack of a start."""
 _NEAR = 0.03
 """Error of a barrier problem from which the crossover is tried."""
+_STIFFER = 4.0
+"""Growth of the regularisation from one settling pass to the next."""
 _CROSSOVER_PASSES = 8
 """Passes of a crossover; one that takes longer has the wrong limits and comes to nothing."""
 
@@ -109,7 +111,11 @@ def advanced(
     penalty = jnp.asarray(settings.row_penalty, dtype)
 
     found = model(
-        program, point.nodes, Duals(point.equality, point.rows, dual.path, dual.final), args
+        program,
+        point.nodes,
+        Duals(point.equality, point.rows, dual.path, dual.final),
+        args,
+        point.costates if settings.own_costates else None,
     )
     far = residuals(found, point, slack, program.free_start)
     violation, stationarity = far.violation, far.stationarity()
@@ -141,6 +147,9 @@ def advanced(
         rows=point.rows + search.length * step.rows,
         equality=point.equality + search.length * step.equality,
     )
+    if settings.own_costates:
+        turned = step.costates - point.costates
+        moved = moved._replace(costates=point.costates + search.length * turned)
     active = _where(
         beginning,
         active_along(slack, dual, step.slack, step.dual),
@@ -152,6 +161,9 @@ def advanced(
     by = settings.shifts
     more = jnp.maximum(by.first, jnp.where(state.shift > 0.0, by.growth * state.shift, 0.0))
     less = jnp.where(state.shift < by.least, 0.0, state.shift / by.shrink)
+    if settings.settling:
+        settling = state.iterations >= settings.max_iterations - settings.settling
+        less = jnp.where(settling, _STIFFER * jnp.maximum(state.shift, by.first), less)
     shift = jnp.where(crossing_over, state.shift, jnp.where(accepted, less, more))
     stopped, left_over, most = shift > _STUCK, state.renewals, state.most
     onward = _where(accepted, search.place._replace(point=moved), place)

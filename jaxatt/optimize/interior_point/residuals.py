@@ -56,10 +56,21 @@ def residuals(found: Model, point: Point, slack: Bounded, free_start: int) -> Re
     """
     dual, n = point.dual, found.costate.shape[0]
     by_control = found.gradient[:, n:] - dual.lower + dual.upper
-    by_start = found.costate[n - free_start :]
-    multipliers = jnp.stack([largest(part) for part in (*dual, point.rows, point.equality)])
+    by_start, by_states = found.costate, jnp.zeros(0, by_control.dtype)
+    if point.costates.shape[0]:
+        # What the gradient of the Lagrangian changes by from the adjoint recursion's costates.
+        off = point.costates - found.costates
+        change = jnp.sum(found.dynamics * off[..., None], axis=1)
+        by_control, by_start = by_control + change[:, n:], by_start + change[0, :n]
+        by_states = jnp.concatenate([change[1:, :n], jnp.zeros_like(off[:1])]) - off
+    by_start = by_start[n - free_start :]
+    multipliers = jnp.stack(
+        [largest(part) for part in (*dual, point.rows, point.equality, point.costates)]
+    )
     return Residuals(
-        gradient=jnp.maximum(largest(by_control), largest(by_start)),
+        gradient=jnp.maximum(
+            jnp.maximum(largest(by_control), largest(by_start)), largest(by_states)
+        ),
         gaps=jnp.maximum(
             jnp.maximum(largest(found.gap), largest(found.equality)), largest(found.rows)
         ),

@@ -161,4 +161,5 @@ def _first_point(
                 nodes.x, u, program.stages(args)
             )
         ),
+        jnp.zeros((u.shape[0] if settings.own_costates else 0, program.error_size), u.dtype),
     )

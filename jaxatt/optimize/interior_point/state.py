@@ -49,6 +49,11 @@ class InteriorSettings:
     max_iterations : passes.  shifts : of the curvature.
     renewals : times that a start that is stuck goes on from where it is with new multipliers and
         slacks; with any, violated inequalities begin with slacks as large as what they miss.
+    own_costates : whether the multipliers of the dynamics are variables of their own, as those of
+        the other rows are, rather than found from those by the adjoint recursion.  Over hundreds of
+        stages the recursion adds up what the other multipliers are still off by.
+    settling : last passes of a start that has not converged, in which the regularisation grows, so
+        that steps shrink and the constraints are met at least.
     """
 
     tolerance: float = 1e-8
@@ -60,12 +65,15 @@ class InteriorSettings:
     max_iterations: int = 200
     shifts: Shifts = field(default=LARGE_SHIFTS, metadata={"static": True})
     renewals: int = field(default=0, metadata={"static": True})
+    own_costates: bool = field(default=False, metadata={"static": True})
+    settling: int = field(default=0, metadata={"static": True})
 
 
 class Point(NamedTuple):
     """Primal and dual variables.
 
-    path, final : values that the inequalities are to take.  The others are multipliers.
+    path, final : values that the inequalities are to take.  The others are multipliers; costates :
+    (N, n), of the dynamics, without rows where they are not variables of their own.
     """
 
     nodes: Nodes
@@ -74,6 +82,7 @@ class Point(NamedTuple):
     dual: Bounded
     rows: Array
     equality: Array
+    costates: Array
 
 
 class Place(NamedTuple):

@@ -19,7 +19,7 @@ class Step(NamedTuple):
     """A step of all primal and dual variables.
 
     x : (N, n) and end : (n,), errors of the states.  u : (N, b).
-    equality : (N, q) and rows : (r,), of multipliers.
+    equality : (N, q) and rows : (r,), of multipliers.  costates : (N, n), after the step.
     slack, dual : of the inequalities.
     convex : (), whether the model was, on what the dynamics leave free; otherwise it is no step.
     """
@@ -31,6 +31,7 @@ class Step(NamedTuple):
     rows: Array
     slack: Bounded
     dual: Bounded
+    costates: Array
     convex: Array
 
 
@@ -93,19 +94,22 @@ def newton_step(
 
     def backwards(
         carry: tuple[Array, Array], inputs: tuple[Array, ...]
-    ) -> tuple[tuple[Array, Array], Array]:
+    ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         value, least = carry
+        following = value
         dynamics, hessian, diagonal, gradient, gap = inputs
         ahead = value[:, n] + jnp.sum(value[:, :n] * gap[None], axis=1)
         value = jnp.concatenate([value[:, :n], ahead[:, None]], axis=1)
         shifted = hessian + (diagonal + shift)[:, None] * jnp.eye(width, dtype=dtype)
         stage = StageModel(dynamics, shifted, gradient)
         policy = backward_step(value, stage, free, forced, nothing)
-        return (policy.value, jnp.minimum(least, policy.pivot)), policy.law
+        return (policy.value, jnp.minimum(least, policy.pivot)), (policy.law, following)
 
     inputs = (model.dynamics, hessian, diagonal, gradient, model.gap)
     infinite = jnp.asarray(jnp.inf, dtype)
-    (value, least), laws = lax.scan(backwards, (end_value, infinite), inputs, reverse=True)
+    (value, least), (laws, valued) = lax.scan(
+        backwards, (end_value, infinite), inputs, reverse=True
+    )
     begin = jnp.zeros(n, dtype)
     if free_start:
         left = eliminated(value[:, :n], value[:, n] + model.costate, n - free_start)
@@ -120,6 +124,8 @@ def newton_step(
 
     end, (x, u) = lax.scan(forwards, begin, (model.dynamics, laws, model.gap))
     moved = jnp.concatenate([x, u], axis=1)
+    ahead = jnp.concatenate([x[1:], end[None]])
+    costates = model.costates + valued[..., n] + _times(valued[..., :n], ahead)
     slack_step = Bounded(
         _times(model.path_slope, moved) + path_excess,
         _times(model.final_slope, end) + final_excess,
@@ -131,4 +137,4 @@ def newton_step(
     )
     rows = row_penalty * (model.rows + _times(model.rows_slope, end))
     equality = row_penalty * (model.equality + _times(model.equality_slope, moved))
-    return Step(x, end, u, equality, rows, slack_step, dual_step, least > _LEAST_PIVOT)
+    return Step(x, end, u, equality, rows, slack_step, dual_step, costates, least > _LEAST_PIVOT)

@@ -36,8 +36,15 @@ class Solved:
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Solved:
         """Answers of some of the starts."""
+        dipole = None if self.dipole is None else self.dipole[rows]
         return Solved(
-            **{name: None if value is None else value[rows] for name, value in vars(self).items()}
+            self.torque[rows],
+            dipole,
+            self.claimed[rows],
+            self.status[rows],
+            self.violation[rows],
+            self.stationarity[rows],
+            self.iterations[rows],
         )
 
 

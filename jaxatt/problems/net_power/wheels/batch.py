@@ -26,6 +26,14 @@ from jaxatt.runtime.chunks import Report
 SETTINGS = InteriorSettings(
     tolerance=1e-6, barrier=1e-2, max_iterations=150, shifts=SMALL_SHIFTS, crossover_from=0.0
 )
+_TORQUED = replace(SETTINGS, max_iterations=120, own_costates=True, settling=15)
+"""Over an orbit with its shadow, much of a manoeuvre earns the same whatever it does; what is left
+to gain after so many passes is a few joules of tens of thousands."""
+
+
+def settings_for(form: WheelsForm) -> InteriorSettings:
+    """Settings of the solver that suit a form."""
+    return _TORQUED if form.torqued else SETTINGS
 
 
 @dataclass(frozen=True)
@@ -58,7 +66,7 @@ class WheelsJob:
 def solve_starts(
     tasks: Sequence[WheelsTask],
     starts: Starts,
-    settings: InteriorSettings = SETTINGS,
+    settings: InteriorSettings | None = None,
     report: Report | None = None,
     rows: int | None = None,
 ) -> InteriorSolution:
@@ -68,7 +76,7 @@ def solve_starts(
     if several:
         parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in tasks))
     found: InteriorSolution = run_starts(
-        InteriorPoint(settings),
+        InteriorPoint(settings or settings_for(tasks[0].form)),
         WheelsJob(tasks[0].form, several),
         starts,
         parameters,

@@ -1,4 +1,4 @@
-"""Search for the manoeuvre with wheels that earns the most: many starts, checked by fine flights."""
+"""Search from many starts for the manoeuvre with wheels that earns the most."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _too_coarse(manoeuvres: Sequence[Manoeuvre], found: Sequence[Solved]) -> boo
     arrived: list[bool] = []
     most = max(1, _FLOWN // len(manoeuvres))
     for manoeuvre, solved in zip(manoeuvres, found, strict=True):
-        content = np.flatnonzero(solved.status == int(Status.CONVERGED))
+        content = np.flatnonzero(np.isin(solved.status, (Status.CONVERGED, Status.FEASIBLE)))
         best = content[np.argsort(-solved.claimed[content])][:most]
         if len(best):
             chosen = solved.pick(best)
