@@ -53,8 +53,8 @@ class Model(NamedTuple):
     gradient : (N, z) and hessian : (N, z, z), of the Lagrangian without the controls' limits.
     path : (N, p) and path_slope : (N, p, z).  equality : (N, q) and equality_slope : (N, q, z).
     rows : (r,), final_slope : (r, n).  final : (t,), final_path_slope : (t, n).
-    final_hessian : (n, n).  costate : (n,), at the first node, and costates : (N, n), at the others,
-    by the adjoint recursion.
+    final_hessian : (n, n).  costate : (n,), at the first node.
+    costates : (N, n), at the others, by the adjoint recursion.
     """
 
     gap: Array
@@ -160,9 +160,8 @@ def model(
         slope = equality_slope = jnp.zeros((0, n + size), dtype)
         by_cost = found.cost
         if margins.shape[0]:
-            slope = found.path_slope
-            if slope is None:
-                slope = jax.jacfwd(inequality)(at, x, u, stage)
+            known = found.path_slope
+            slope = jax.jacfwd(inequality)(at, x, u, stage) if known is None else known
             by_cost = by_cost - jnp.sum(dual[:, None] * slope, axis=0)
         if missed.shape[0]:
             equality_slope = jax.jacfwd(equality)(at, x, u, stage)

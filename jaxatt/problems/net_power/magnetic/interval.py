@@ -11,7 +11,7 @@ transformed adjoint system".
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -236,7 +236,7 @@ class MagneticInterval:
         none = jnp.zeros(MOVING, x.dtype)
         blank = jnp.zeros((WIDTH, WIDTH), x.dtype)
         carry: tuple[Array, ...] = (costate, none, none, blank, blank[MOVING:])
-        inputs = (rows, following, found.at, found.moved, seen)
+        inputs: Any = (rows, following, found.at, found.moved, seen)
         (_, _, _, upper, lower), _ = lax.scan(back, carry, inputs, reverse=True)
         whole = jnp.concatenate([upper[:MOVING], upper[MOVING:] + lower])
         return 0.5 * (whole + whole.T)

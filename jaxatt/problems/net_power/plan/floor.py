@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from jaxatt.attitude import quaternion
-from jaxatt.problems.net_power.along_flight import sunlight_at
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
 from jaxatt.problems.net_power.wheels.directions import best_directions
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -75,7 +76,7 @@ def _external(
     if form.magnetorquers == "managing" and p.management is not None and along.field is not None:
         lost = added(at.lost, times(half, at.slope))
         stored = Vector(*matvec(p.without_spin, lost))
-        spin = Vector(*matvec(p.inertia - p.without_spin, omega.parts))
+        spin = Vector(*matvec(p.inertia - p.without_spin, _arrays(omega.parts)))
         excess = stored - spin - Vector.of(p.management.kept)
         field = q.rotate_inverse(along.field)
         wanted = p.management.law.dipole(excess, field)
@@ -83,7 +84,12 @@ def _external(
         dipole = Vector(*(jnp.clip(m, -limit[i], limit[i]) for i, m in enumerate(wanted.parts)))
     torque = p.torques.total(q, omega, along, Matrix.of(p.inertia), dipole)
     none = jnp.zeros_like(h)
-    return torque.parts, (none, none, none) if dipole is None else dipole.parts
+    parts = (none, none, none) if dipole is None else dipole.parts
+    return _arrays(torque.parts), _arrays(parts)
+
+
+def _arrays(parts: Sequence[Any]) -> Components:
+    return tuple(jnp.asarray(part) for part in parts)
 
 
 def _ahead(
@@ -97,7 +103,8 @@ def _ahead(
     rate = _rate(at.momentum, at.lost, p, form)
     change = cross(at.momentum, rate)
     slope = added(matvec(p.inverse, change), times(-1.0, at.slope))
-    torque = dipole = nothing
+    torque: Components = nothing
+    dipole: Components = nothing
     if form.torqued and along is not None:
         torque, dipole = _external(at, rate, slope, h, along, p, form)
         change = added(change, torque)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -117,7 +118,7 @@ def _profile(s: Floats) -> Floats:
     return smooth
 
 
-def references(task: WheelsTask, way: Way, times: Floats) -> Floats:
+def references(task: WheelsTask, way: Way, times: Any) -> Floats:
     """Attitudes (S, n, 4) along the ways, at times (n,) [s] after their beginning."""
     begin, end = _ends(task)
     total = task.manoeuvre.duration

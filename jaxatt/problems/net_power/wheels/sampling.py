@@ -30,7 +30,7 @@ def _sunlight(task: OrbitTask, light: Light, times: Array) -> tuple[Array, Array
     return sunlight(light, r_i, task.days + times / epoch.SECONDS_PER_DAY)
 
 
-def _in_blocks(run: Any, times: Floats) -> Any:
+def _in_blocks(run: Any, times: Any) -> Any:
     padded = np.pad(times, (0, -len(times) % _BLOCK), mode="edge").reshape(-1, _BLOCK)
     found = [jax.tree.map(np.asarray, run(block)) for block in padded]
     return jax.tree.map(lambda *rows: np.concatenate(rows)[: len(times)], *found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -21,6 +22,8 @@ from jaxatt.runtime.chunks import Report
 _MOST_SUBSTEPS = 8
 _FLOWN = 4
 """Answers, the best of each manoeuvre, that are flown to see whether the steps are fine enough."""
+_LONGEST_TURN = 0.25
+"""[rad], in one step."""
 _FEW = 0.5
 """Share of them that must end where the solver says."""
 
@@ -44,6 +47,9 @@ def search_wheels(
     size = shared_length(manoeuvres[0].intervals) if shared else None
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
     starts = _together([draw_starts(task, count, seed) for task in tasks])
+    if manoeuvres[0].substeps is None:
+        steps = _substeps(tasks[0], starts)
+        tasks = [wheels_task(manoeuvre, steps, size) for manoeuvre in manoeuvres]
     solution = solve_starts(tasks, starts, report=report)
     found = _solved(tasks, starts, solution)
     substeps = tasks[0].form.substeps
@@ -77,6 +83,15 @@ def _together(parts: Sequence[Starts]) -> Starts:
         part._replace(task=np.full(len(part.u), number, int)) for number, part in enumerate(parts)
     ]
     return Starts(*(np.concatenate(leaves) for leaves in zip(*numbered, strict=True)))
+
+
+def _substeps(task: WheelsTask, starts: Starts) -> int:
+    """Runge-Kutta steps an interval that the turns of the starts ask for, a power of two."""
+    q = np.asarray(starts.x)[..., :4]
+    alike = np.clip(np.abs((q[:, 1:] * q[:, :-1]).sum(axis=-1)), 0.0, 1.0)
+    turned = float(2.0 * np.arccos(alike).max(initial=0.0))
+    asked = max(1, math.ceil(turned / _LONGEST_TURN))
+    return min(_MOST_SUBSTEPS, 1 << (asked - 1).bit_length())
 
 
 def _too_coarse(manoeuvres: Sequence[Manoeuvre], found: Sequence[Solved]) -> bool:

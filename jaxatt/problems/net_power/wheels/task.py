@@ -89,7 +89,7 @@ def wheels_task(
             np.asarray(end.omega_bw, float) + arms.axes.T @ np.asarray(end.omega_ib, float)
         )
         ending, rows = arms.coordinates(wanted, form), _end_rows(arms, form)
-    parameters = WheelsParameters(
+    leaves: dict[str, Any] = dict(
         start=np.concatenate(start),
         total=total,
         inertia=arms.inertia,
@@ -128,7 +128,7 @@ def wheels_task(
         last_shone=last_shone,
         last_sun=last_sun,
     )
-    return WheelsTask(manoeuvre, form, parameters, power.directions)
+    return WheelsTask(manoeuvre, form, WheelsParameters(**leaves), power.directions)
 
 
 def _checked(satellite: Satellite) -> Spacecraft:
@@ -259,6 +259,7 @@ class _Power:
     ) -> _Power:
         battery = craft.battery or Battery(np.inf, 0.0)
         kept, fed = float(battery.input_efficiency), 1.0 / float(battery.output_efficiency)
+        assert craft.panels is not None
         directions = best_directions(craft.panels)
         best = float(satellite.light.irradiance) * directions.most * kept
         time = math.sqrt(arms.scale / arms.torque_limit.max())
@@ -288,11 +289,11 @@ class _Power:
 def _management(satellite: Satellite, craft: Spacecraft, arms: _Arms) -> Management | None:
     if satellite.momentum is None or satellite.decided_dipole:
         return None
-    limit = np.full(3, np.inf)
+    limit: Any = np.full(3, np.inf)
     if craft.magnetorquers is not None:
         limit = np.asarray(craft.magnetorquers.dipole_limit, float)
-    speed = np.asarray(satellite.momentum.wheel_speed, float)
-    law = MomentumDumping(np.asarray(satellite.momentum.gain), speed, printed=True)
+    speed: Any = np.asarray(satellite.momentum.wheel_speed, float)
+    law = MomentumDumping(float(satellite.momentum.gain), speed, printed=True)
     return Management(law, arms.axes @ (arms.wheel_inertia * speed), limit)
 
 
@@ -309,8 +310,10 @@ def _stages(
         within = (np.arange(form.substeps) + 0.5) / form.substeps
         middles = manoeuvre.start_time + step * (np.arange(count)[:, None] + within)
         along = environment(satellite.orbit, satellite.torques, satellite.gravity_gradient, middles)
-    stages = WheelStage(np.full(count, step), direction[:-1], shone[:-1], along)
+    parts: tuple[Any, ...] = (np.full(count, step), direction[:-1], shone[:-1], along)
+    stages = WheelStage(*parts)
     idle = jax.tree.map(lambda leaf: np.repeat(leaf[-1:], size - count, axis=0), stages)
-    idle = idle._replace(step=np.zeros(size - count), shone=np.zeros(size - count))
+    nothing: Any = np.zeros(size - count)
+    idle = idle._replace(step=nothing, shone=nothing)
     filled = jax.tree.map(lambda a, b: np.concatenate([a, b]), stages, idle)
     return filled, direction[-1], shone[-1]

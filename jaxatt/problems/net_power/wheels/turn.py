@@ -11,6 +11,7 @@ section 5; the attitude multiplies from the left here, which changes the signs o
 
 from __future__ import annotations
 
+import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.simulation.momentum_model import Components, cross
@@ -46,14 +47,16 @@ def increment(turn: Components) -> Components:
     A polynomial is several times faster over a batch than sines, and smooth at zero.
     """
     squared = 0.25 * (turn[0] * turn[0] + turn[1] * turn[1] + turn[2] * turn[2])
-    cos, sinc = _COS[-1], _SINC[-1]
+    cos, sinc = jnp.asarray(_COS[-1]), jnp.asarray(_SINC[-1])
     for c, s in zip(_COS[-2::-1], _SINC[-2::-1], strict=True):
         cos, sinc = c + squared * cos, s + squared * sinc
     half = 0.5 * sinc
     return cos, half * turn[0], half * turn[1], half * turn[2]
 
 
-def turned(rate: Components, slope: Components, bend: Components | None, h: Array) -> Components:
+def turned(
+    rate: Components, slope: Components, bend: Components | None, h: Array | float
+) -> Components:
     """Rotation vector of an interval of h [s] in body axes.
 
     rate : omega at the beginning.  slope, bend : its first and second derivative there.
