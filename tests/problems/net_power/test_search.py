@@ -1,0 +1,83 @@
+"""Search of manoeuvres with wheels: chapter 4, padded lengths, the family from end to end."""
+
+import json
+
+import numpy as np
+import pytest
+
+import jaxatt
+from jaxatt import scenarios
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.net_power.answers import flown_again, phase_manoeuvre
+from jaxatt.problems.net_power.record import net_power
+from jaxatt.problems.net_power.wheels.lengths import shared_length
+from jaxatt.problems.net_power.wheels.search import search_wheels
+
+
+@pytest.fixture(scope="module")
+def result():
+    return jaxatt.solve("hypso1-netpower", starts=8)
+
+
+def test_chapter_four_earns_more_than_printed(result):
+    found = net_power(result.phases[0])
+    assert result.reached
+    assert found.energy.net >= 573.45
+    assert abs(found.energy.baseline - 501.2) <= 0.3
+    assert np.degrees(result.phases[0].errors["attitude"]) < 0.01
+    assert result.phases[0].errors["rate"] < 1e-5
+    # Nothing is claimed that the flight does not earn, but for energies that depend on the ends.
+    assert found.share > 0.0
+
+
+def test_summary_names_the_energies(result, tmp_path):
+    result.save(tmp_path)
+    energy = json.loads((tmp_path / "summary.json").read_text())["energy"]
+    assert set(energy) >= {
+        "net_J",
+        "solar_J",
+        "actuation_J",
+        "loads_J",
+        "mean_power_W",
+        "baseline_J",
+        "gain_percent",
+        "final_charge_J",
+    }
+    assert energy["net_J"] == pytest.approx(
+        energy["solar_J"] - energy["actuation_J"] - energy["loads_J"]
+    )
+    assert energy["mean_power_W"] == pytest.approx(energy["net_J"] / 40.0)
+    assert (tmp_path / "overview.png").stat().st_size > 10_000
+
+
+def test_filled_up_intervals_change_nothing(result):
+    manoeuvre = phase_manoeuvre(result.scenario, PhaseStart())
+    (solved,) = search_wheels([manoeuvre], 8, 0, shared=True)
+    assert solved.torque.shape == (8, 80, 3)
+    found = flown_again(manoeuvre, solved)
+    assert found.reached.any()
+    assert found.flight.energy.net_J[found.best] == pytest.approx(
+        net_power(result.phases[0]).energy.net, abs=0.5
+    )
+
+
+def test_shared_lengths_hold_and_are_few():
+    lengths = [shared_length(count) for count in range(1, 4000)]
+    assert all(length >= count for count, length in enumerate(lengths, start=1))
+    assert all(a <= b for a, b in zip(lengths, lengths[1:], strict=False))
+    assert len(set(lengths)) < 40
+    assert max(a / (k + 1) for k, a in enumerate(lengths) if k >= 128) < 1.34
+
+
+def test_free_time_is_refused_in_words():
+    scenario = scenarios.load("hypso1-netpower")
+    document = dict(scenario.document)
+    document["vehicle"] = {"use": "hypso1-magnetic"}
+    document["horizon"] = {"final_time": "free", "longest_s": 3000.0, "intervals": 20}
+    document["orbit"] = dict(scenarios.load("hypso2-orbit").document["orbit"])
+    document["objective"] = {"kind": "net-power"}
+    document["initial"] = {"attitude_quaternion": [1.0, 0.0, 0.0, 0.0]}
+    for name in ("baseline", "printed"):
+        document.pop(name)
+    with pytest.raises(ValueError, match="no search for them yet"):
+        jaxatt.solve(scenarios.from_mapping(document))
