@@ -4,8 +4,8 @@
 
 or, by energy, J_F - integral of P dt + k3 T.  The logarithm of the final time is a state that
 nothing changes and whose first value is decided with the dipoles (time dilation); the nodes move
-with it, and with them field, sun and eclipse.  A state holds q_ib, omega_ib [rad/s] and that
-logarithm; a control is a dipole in units of its limit.
+with it, and with them field, sun and eclipse.  A state holds q_ib, omega_ib in radians per unit of
+time (`MagneticParameters.unit`), and that logarithm; a control is a dipole.
 
 Source: Kristiansen (2023), chapter 6.
 """
@@ -71,7 +71,7 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
         difference=difference,
         final_rows=final_rows if form.reach else None,
         final_inequality=final_inequality,
-        limits=lambda interval, p: (-jnp.ones(3), jnp.ones(3)),
+        limits=lambda interval, p: (-p.dipole_range * jnp.ones(3), p.dipole_range * jnp.ones(3)),
         free_start=1,
         linearisation=stage.linearisation,
         lagrangian_hessian=stage.lagrangian_hessian,
@@ -103,7 +103,7 @@ def wanted(x: Array, p: MagneticParameters) -> tuple[Array, Array]:
         return orders[0] + later * (orders[1] + 0.5 * later * orders[2])
 
     carried = jnp.sum(_to_body(x) * now(turning)[None, :], axis=1)
-    return now(target), x[4:7] - carried - p.reference_rate
+    return now(target), x[4:7] / p.unit - carried - p.reference_rate
 
 
 def _to_body(x: Array) -> Array:
