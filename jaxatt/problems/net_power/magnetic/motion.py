@@ -118,7 +118,7 @@ def rates(
 ) -> tuple[Vector, Vector, Array]:
     """Derivatives of e and omega_ib by the time in units, and net power [W].
 
-    omega : per unit of time.  v : dipole in units of `p.dipole_unit`.
+    omega : per unit of time.  v : dipole in units of its limit.
     """
     sigma = 0.25 * e
     norm = 1.0 + sigma.dot(sigma)
@@ -131,4 +131,4 @@ def rates(
     spinning = Matrix.of(p.inverse) @ (torque - omega.cross(inertia @ omega))
     area = collecting_area(p.panels, seen.sun, p.panel_smoothing)
     drawn = v.times(v).dot(Vector.of(p.dipole_power))
-    return turning, spinning, p.irradiance * seen.light * area - drawn
+    return turning, spinning, p.irradiance * seen.light * area - drawn - p.load

@@ -5,7 +5,7 @@
 or, by energy, J_F - integral of P dt + k3 T.  The logarithm of the final time is a state that
 nothing changes and whose first value is decided with the dipoles (time dilation); the nodes move
 with it, and with them field, sun and eclipse.  A state holds q_ib, omega_ib in radians per unit of
-time (`MagneticParameters.unit`), and that logarithm; a control is a dipole.
+time (`MagneticParameters.unit`), and that logarithm; a control is a dipole in units of its limit.
 
 Source: Kristiansen (2023), chapter 6.
 """
@@ -45,13 +45,13 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
         final = jnp.exp(x[-1])
         total = p.time_weight * final
         if not form.reach:
-            target, missed = wanted(x, p)
+            target, missed = wanted(x, p, form)
             total = total + p.attitude_weight * (1.0 - jnp.sum(x[:4] * target))
             total = total + p.rate_weight * jnp.sum(missed**2)
         return p.scale * total
 
     def final_rows(x: Array, p: MagneticParameters) -> Array:
-        target, missed = wanted(x, p)
+        target, missed = wanted(x, p, form)
         return jnp.concatenate([attitude_row(target, x[:4]), RATE_SCALE * missed])
 
     def final_inequality(x: Array, p: MagneticParameters) -> Array:
@@ -71,7 +71,7 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
         difference=difference,
         final_rows=final_rows if form.reach else None,
         final_inequality=final_inequality,
-        limits=lambda interval, p: (-p.dipole_range * jnp.ones(3), p.dipole_range * jnp.ones(3)),
+        limits=lambda interval, p: (-jnp.ones(3), jnp.ones(3)),
         free_start=1,
         linearisation=stage.linearisation,
         lagrangian_hessian=stage.lagrangian_hessian,
@@ -80,11 +80,13 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
     )
 
 
-def wanted(x: Array, p: MagneticParameters) -> tuple[Array, Array]:
+def wanted(x: Array, p: MagneticParameters, form: MagneticForm) -> tuple[Array, Array]:
     """Attitude q_ib (4,) to end in, and the error (3,) [rad/s] of the rate, of a last state.
 
     The rate relative to the orbit frame is algebraic: omega_ib - R(q_ib)' omega_io.
     """
+    if not form.orbit_frame:
+        return p.reference, x[4:7] / p.unit - p.reference_rate
     # To second order in the logarithm of the time, which is all that is differentiated.  The
     # formulas are flat, and behind a barrier: the compiler writes out what stands before anew
     # wherever it is used.

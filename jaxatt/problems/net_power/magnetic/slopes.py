@@ -77,7 +77,7 @@ def slopes(e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters)
     return Slopes(
         turning=here.rate @ omega,
         spinning=inverse @ torque,
-        power=shone * area - v.times(v).dot(share),
+        power=shone * area - v.times(v).dot(share) - p.load,
         turning_by_turn=rate_slope(here, omega),
         turning_by_rate=here.rate,
         spinning_by_turn=times(inverse, times(pull, here.small)),
