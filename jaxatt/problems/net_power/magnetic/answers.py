@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from jaxatt.optimize.interior_point.solver import InteriorSolution
 from jaxatt.optimize.status import Status
-from jaxatt.problems.net_power.magnetic.batch import Claims, claims, own_power
+from jaxatt.problems.net_power.magnetic.batch import Claims, claims, kept_finite, own_power
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
 from jaxatt.problems.net_power.magnetic.starts import Starts
 from jaxatt.problems.net_power.magnetic.task import MagneticTask
@@ -31,6 +31,7 @@ class Answers:
     claimed : (A,) [W], mean power by the solver's own count.
     flown : with finer steps and sharp edges of the shadow.
     status : (A,) `Status`.  violation, stationarity : (A,).  iterations : (A,), of all solves.
+    origin : (A,), index of the start that an answer goes back to.
     """
 
     u: Floats
@@ -43,6 +44,7 @@ class Answers:
     violation: Floats
     stationarity: Floats
     iterations: npt.NDArray[np.int64]
+    origin: npt.NDArray[np.int64]
 
     def pick(self, rows: Any) -> Answers:
         """Some of the answers."""
@@ -102,9 +104,7 @@ def answers_of(
 
     before : answers that the starts were made of, whose iterations count, too.
     """
-    finite = np.isfinite(found.u).all(axis=(1, 2)) & np.isfinite(found.x).all(axis=(1, 2))
-    u = np.where(finite[:, None, None], found.u, starts.u)
-    x = np.where(finite[:, None, None], found.x, starts.x)
+    finite, u, x = kept_finite(starts, found)
     final = np.exp(x[:, -1, -1])
     status = np.where(finite, found.status, int(Status.NOT_FINITE))
     iterations = np.asarray(found.iterations)
@@ -119,6 +119,7 @@ def answers_of(
         np.asarray(found.violation),
         np.asarray(found.stationarity),
         iterations if before is None else iterations + before.iterations,
+        np.arange(len(u)) if before is None else before.origin,
     )
 
 

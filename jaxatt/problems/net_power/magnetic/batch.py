@@ -17,7 +17,7 @@ from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolu
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
 from jaxatt.problems.net_power.magnetic.program import magnetic_program, wanted
 from jaxatt.problems.net_power.magnetic.starts import Starts
-from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import Progress, in_chunks
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 
@@ -70,6 +70,19 @@ def solve(
         InteriorPoint(settings), MagneticJob(form), starts, parameters, rows=rows, progress=progress
     )
     return found
+
+
+def kept_finite(starts: Starts, found: InteriorSolution) -> tuple[Flags, Floats, Floats]:
+    """Which answers are numbers, (S,), and controls and states, those of the starts elsewhere."""
+    finite = np.array(
+        [
+            bool(np.isfinite(u).all() and np.isfinite(x).all())
+            for u, x in zip(found.u, found.x, strict=True)
+        ]
+    )
+    rows = finite[:, None, None]
+    u, x = np.where(rows, found.u, starts.u), np.where(rows, found.x, starts.x)
+    return finite, np.asarray(u), np.asarray(x)
 
 
 class Claims(NamedTuple):

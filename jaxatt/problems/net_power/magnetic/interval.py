@@ -1,9 +1,10 @@
 """One interval by the classical Runge-Kutta formula, with first and second derivatives.
 
 The coordinates within an interval are the turn e since its beginning, the rate omega_ib in radians
-per unit of time (`MagneticParameters.unit`) and the logarithm of the final time.  The turn begins at zero, where a small error of the attitude is a
-change of e, so the formula knows no manifold.  The environment does not depend on the motion: it is
-evaluated once at the instants of the formula, with its derivatives by the final time.
+per unit of time (`MagneticParameters.unit`) and the logarithm of the final time.  The turn begins
+at zero, where a small error of the attitude is a change of e, so the formula knows no manifold.
+The environment does not depend on the motion: it is evaluated once at the instants of the formula,
+with its derivatives by the final time.
 
 Source of the second derivatives: Hager (2000), "Runge-Kutta methods in optimal control and the
 transformed adjoint system".

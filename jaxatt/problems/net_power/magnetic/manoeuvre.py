@@ -19,7 +19,7 @@ class FreeManoeuvre:
     motion asks for.
     cost : "mean-power" (6.2a) or "energy".  terminal : "reach" or "penalty" (6.6), with weights
     k1 [W or J], k2 [W s^2 or J s^2] and k3 [W/s or J/s] of attitude, rate and time.
-    load : [W], of the other subsystems.
+    load : [W], of the other subsystems.  charge : [J], of the battery at the start.
     """
 
     satellite: Satellite
@@ -36,4 +36,5 @@ class FreeManoeuvre:
     rate_weight: float = 0.0
     time_weight: float = 0.0
     load: float = 0.0
+    charge: float = 0.0
     substeps: int | None = None

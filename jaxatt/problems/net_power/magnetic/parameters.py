@@ -45,7 +45,8 @@ class MagneticParameters:
     residual : (3,) [A m^2], dipole of the body.  other : external torques without it.
     unit : () [s], of time in the programme, with which rates and dipoles are of order one.
     dipole_unit : (3,) [A m^2], the largest dipoles, and dipole_power : (3,) [W], what they draw.
-    start : (7,), q_ib and omega_ib [rad per unit of time].  begin : () [s], time of the start since the epoch.
+    start : (7,), q_ib and omega_ib [rad per unit of time].
+    begin : () [s], time of the start since the epoch.
     final_time : () [s], with which a start begins.
     time, share : (N,), beginnings and lengths of the intervals in units of the final time.
     reference : (4,), attitude to end with; of its two signs the one that a start turns towards.

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from jaxatt.optimize.interior_point.solver import InteriorSettings
 from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
 from jaxatt.problems.net_power.magnetic.answers import Answers, answers_of, distinct, usable
-from jaxatt.problems.net_power.magnetic.batch import solve
+from jaxatt.problems.net_power.magnetic.batch import kept_finite, solve
 from jaxatt.problems.net_power.magnetic.manoeuvre import FreeManoeuvre
 from jaxatt.problems.net_power.magnetic.starts import Starts, make_starts
 from jaxatt.problems.net_power.magnetic.task import MagneticTask
@@ -64,6 +64,14 @@ class FrontFound:
         """The best answers, leading axis K."""
         return self.answers.pick(self.best)
 
+    def of_starts(self, k: int) -> Answers:
+        """For weight k the best answer that goes back to each of the starts, (S,)."""
+        merit = self.answers.merit(self.task, float(self.time_weight[k]))
+        order = np.argsort(-merit, kind="stable")
+        rows = np.zeros(self.starts, int)
+        rows[self.answers.origin[order]] = order
+        return self.answers.pick(rows)
+
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
         """Whether they reach the target within its tolerances, (K,)."""
@@ -89,15 +97,15 @@ def search_front(
     best = _least(task, found, weights)
     for turn in range(_ROUNDS):
         width = _WIDTHS[min(turn, len(_WIDTHS) - 1)]
-        again = _chosen(task, found, weights)
+        chosen, weight = _chosen(task, found, weights)
+        again = chosen.starts(weight)
         parameters = task.sharper(width)
         if (found.pick(_argmin(task, found, weights)).disagreement > DISAGREEMENT).any():
             substeps *= 2
         form = task.form(True, substeps)
-        solution = solve(
-            form, again, parameters, _AGAIN, _progress(report, "solving the best again")
-        )
-        found = Answers.join([found, answers_of(form, again, solution, parameters)])
+        progress = _progress(report, "solving the best again")
+        solution = solve(form, again, parameters, _AGAIN, progress)
+        found = Answers.join([found, answers_of(form, again, solution, parameters, chosen)])
         better = _least(task, found, weights)
         if turn and (best - better <= _GAIN * np.maximum(1.0, np.abs(best))).all():
             best = better
@@ -107,36 +115,32 @@ def search_front(
     return FrontFound(task, weights, found, first, index, best, substeps)
 
 
+def search_magnetic(
+    manoeuvre: FreeManoeuvre, count: int, seed: int, report: Report | None = None
+) -> FrontFound:
+    """Find the best answer for the manoeuvre's own weight of time from `count` starts."""
+    return search_front(manoeuvre, np.array([manoeuvre.time_weight]), count, seed, report)
+
+
 def solved(task: MagneticTask, starts: Starts, report: Report | None = None) -> Answers:
     """Solve from all starts, first with a positive curvature, then with the exact one."""
     rough, exact, p = task.form(False), task.form(True), task.parameters
     near = solve(rough, starts, p, _ROUGH, _progress(report, "approaching from all starts"))
-    finite = np.isfinite(near.u).all(axis=(1, 2)) & np.isfinite(near.x).all(axis=(1, 2))
-    nearer = replace(
-        starts,
-        u=np.where(finite[:, None, None], near.u, starts.u),
-        x=np.where(finite[:, None, None], near.x, starts.x),
-    )
+    _, u, x = kept_finite(starts, near)
+    nearer = replace(starts, u=u, x=x)
     found = solve(exact, nearer, p, _EXACT, _progress(report, "solving from all starts"))
     answers = answers_of(exact, nearer, found, p)
     return replace(answers, iterations=answers.iterations + np.asarray(near.iterations))
 
 
-def _chosen(task: MagneticTask, found: Answers, weights: Floats) -> Starts:
-    """The best few answers for every weight as starts, the same number for each."""
-    parts = []
+def _chosen(task: MagneticTask, found: Answers, weights: Floats) -> tuple[Answers, Floats]:
+    """The best few answers for every weight, the same number for each, and those weights."""
+    rows = []
     for weight in weights:
         merit = np.where(usable(found), found.merit(task, weight), np.inf)
-        rows = distinct(merit, found.final_time, _KEPT)
-        rows = np.concatenate([rows, np.repeat(rows[:1], _KEPT - len(rows))])
-        parts.append(found.pick(rows).starts(np.full(_KEPT, weight)))
-    return Starts(*(np.concatenate(leaves) for leaves in zip(*map(_leaves, parts), strict=True)))
-
-
-def _leaves(starts: Starts) -> tuple[Floats, ...]:
-    return tuple(
-        np.asarray(leaf) for leaf in (starts.u, starts.x, starts.reference, starts.time_weight)
-    )
+        best = distinct(merit, found.final_time, _KEPT)
+        rows.append(np.pad(best, (0, _KEPT - len(best)), mode="edge"))
+    return found.pick(np.concatenate(rows)), np.repeat(weights, _KEPT)
 
 
 def _argmin(task: MagneticTask, found: Answers, weights: Floats) -> npt.NDArray[np.int64]:

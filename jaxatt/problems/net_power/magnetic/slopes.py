@@ -30,7 +30,7 @@ from jaxatt.spacecraft.panels import collecting_area
 
 
 class Slopes(NamedTuple):
-    """Rates and their derivatives, all per unit of time; the last coordinate is the log of the time.
+    """Rates and their derivatives, all per unit of time; the last one is by the log of the time.
 
     turning, spinning : rates of turn and rate.  power : [W].
     turning_by_turn, turning_by_rate; spinning_by_turn, spinning_by_rate, spinning_by_dipole :
