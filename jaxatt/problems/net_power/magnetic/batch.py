@@ -91,9 +91,9 @@ class Claims(NamedTuple):
     mean_power : [W].  turned : 1 - |q' q_ref| at the end.  rate : squared error [rad^2/s^2].
     """
 
-    mean_power: Floats
-    turned: Floats
-    rate: Floats
+    mean_power: Array | Floats
+    turned: Array | Floats
+    rate: Array | Floats
 
 
 def claims(form: MagneticForm, u: Floats, final: Floats, parameters: MagneticParameters) -> Claims:
@@ -144,7 +144,9 @@ def _own_power(form: MagneticForm, p: MagneticParameters, u: Array, x: Array) ->
     program = magnetic_program(form)
 
     def one(u: Array, x: Array) -> Array:
-        cost = jax.vmap(lambda x, u, stage: program.next_and_cost(x, u, stage, p)[1])
-        return -jnp.sum(cost(x[:-1], u, program.stages(p)))
+        def cost(x: Array, u: Array, stage: Any) -> Array:
+            return program.next_and_cost(x, u, stage, p)[1]
+
+        return -jnp.sum(jax.vmap(cost)(x[:-1], u, program.stages(p)))
 
     return jax.vmap(one)(u, x)

@@ -12,7 +12,7 @@ transformed adjoint system".
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -181,7 +181,7 @@ class MagneticInterval:
         scale = -p.scale * (1.0 if self.form.mean_power else final * p.unit)
 
         def back(
-            carry: tuple[Array, ...], inputs: tuple[Point, Array, Array, Array, Here]
+            carry: tuple[Array, ...], inputs: tuple[Any, ...]
         ) -> tuple[tuple[Array, ...], None]:
             at_end, gathered, ahead, upper, lower = carry
             row, after, y, moved, at = inputs

@@ -99,7 +99,7 @@ def wanted(x: Array, p: MagneticParameters, form: MagneticForm) -> tuple[Array, 
     target = [Quaternion.of(o[:4]).multiply(Quaternion.of(p.reference)).array for o in orders]
     # The orbit's plane does not turn.
     turning = [order[4] * across for order in orders]
-    target, turning = lax.optimization_barrier((target, turning))
+    target, turning = lax.optimization_barrier((target, turning))  # type: ignore[no-untyped-call]
 
     def now(orders: list[Array]) -> Array:
         return orders[0] + later * (orders[1] + 0.5 * later * orders[2])
