@@ -10,10 +10,18 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.baseline import fly_baseline
-from jaxatt.problems.net_power.build import beginning, carried_on, manoeuvre_of, options_of
+from jaxatt.problems.net_power.build import (
+    beginning,
+    carried_on,
+    free_manoeuvre_of,
+    manoeuvre_of,
+    options_of,
+)
 from jaxatt.problems.net_power.flight import fly
 from jaxatt.problems.net_power.found import Flown, Solved, ranked
 from jaxatt.problems.net_power.judge import judge_flight
+from jaxatt.problems.net_power.magnetic.judge import fly_found
+from jaxatt.problems.net_power.magnetic.search import FrontFound, search_magnetic
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.phase import phase_of
 from jaxatt.problems.net_power.plan.hold import fly_held
@@ -30,9 +38,14 @@ from jaxatt.runtime.chunks import Report
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Answers to one phase; None where a task prescribes the attitude."""
+    """Answers to one phase.
+
+    solved : None where a task prescribes the attitude, or where the final time is free.
+    free : of a manoeuvre in free time.
+    """
 
     solved: Solved | None
+    free: FrontFound | None = None
 
 
 def task_of(scenario: Scenario, start: PhaseStart) -> Task | None:
@@ -62,7 +75,13 @@ def searched(scenario: Scenario, start: PhaseStart, report: Report | None) -> An
     task = task_of(scenario, start)
     if task is not None and not task.searched:
         return Answers(None)
-    manoeuvre, solver = phase_manoeuvre(scenario, start), scenario.solver
+    solver = scenario.solver
+    if scenario.horizon.free:
+        return Answers(
+            None,
+            search_magnetic(free_manoeuvre_of(scenario, start), solver.starts, solver.seed, report),
+        )
+    manoeuvre = phase_manoeuvre(scenario, start)
     named = report if task is None or report is None else _named(report, task.name)
     (solved,) = search_wheels(
         [manoeuvre], solver.starts, solver.seed, named, shared=task is not None
@@ -72,8 +91,13 @@ def searched(scenario: Scenario, start: PhaseStart, report: Report | None) -> An
 
 def judged(scenario: Scenario, start: PhaseStart, found: Answers) -> tuple[Phase, InitialState]:
     """Fly the answers of a phase finely; return the best one's record and where it ended."""
+    family = scenario.family
+    if found.free is not None:
+        flown = fly_found(found.free)
+        phase, end = phase_of(flown, family, None, free_time=True)
+        return phase, carried_on(end, float(flown.flight.energy.charge[flown.best, -1]))
     task, manoeuvre = task_of(scenario, start), phase_manoeuvre(scenario, start)
-    law, family = options_of(scenario).baseline, scenario.family
+    law = options_of(scenario).baseline
     if found.solved is None:
         assert task is not None
         flown = held(task, manoeuvre)

@@ -6,6 +6,7 @@ import numpy as np
 
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.net_power.magnetic.manoeuvre import FreeManoeuvre
 from jaxatt.problems.net_power.manoeuvre import End, Manoeuvre, Motion
 from jaxatt.problems.net_power.options import NetPowerOptions
 from jaxatt.problems.net_power.orbit_frame import inertial_pose
@@ -53,6 +54,30 @@ def manoeuvre_of(scenario: Scenario, start: PhaseStart) -> Manoeuvre:
         substeps=horizon.substeps,
         floor=options.floor,
         charge=charge,
+    )
+
+
+def free_manoeuvre_of(scenario: Scenario, start: PhaseStart) -> FreeManoeuvre:
+    """The manoeuvre of a scenario in free time."""
+    options, horizon = options_of(scenario), scenario.horizon
+    motion, charge = beginning(scenario, start)
+    return FreeManoeuvre(
+        satellite=options.satellite,
+        start=motion,
+        target=scenario.targets[0],
+        frame=options.target_frame,
+        intervals=horizon.intervals,
+        shortest=horizon.shortest,
+        longest=horizon.longest,
+        start_time=start.time,
+        cost=options.cost,
+        terminal=scenario.objective.terminal,
+        attitude_weight=options.weights.attitude,
+        rate_weight=options.weights.rate,
+        time_weight=options.weights.time,
+        load=options.load,
+        charge=charge,
+        substeps=horizon.substeps,
     )
 
 

@@ -55,6 +55,7 @@ class Flown:
     score : (S,), what the answers are ranked by, the most first; [J], or [W] for mean power.
     best : index of the answer.  minima : different ones among the starts that reached.
     share : of all starts, those that reached and are at the best.
+    notes : what else is worth telling where the best did not reach.
     """
 
     manoeuvre: Manoeuvre
@@ -65,6 +66,7 @@ class Flown:
     best: int
     minima: int
     share: float
+    notes: tuple[str, ...] = ()
 
     @property
     def reached(self) -> Flags:

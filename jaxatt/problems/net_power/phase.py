@@ -141,7 +141,9 @@ def phase_of(
         },
         l1_effort=float(np.abs(torque).sum() * step),
         reached=reached,
-        failure_reason="" if reached else failure_reason(verdict, Status(int(solved.status[best]))),
+        failure_reason=""
+        if reached
+        else failure_reason(verdict, Status(int(solved.status[best])), also=flown.notes),
         active=active[best].any(axis=1),
         starts=StartsRecord(
             status=solved.status,

@@ -26,7 +26,7 @@ class StageDerivatives:
     """Functions of `OptimalControlProgram` with the names that they have there."""
 
     def __init__(self, form: MagneticForm):
-        self.interval = MagneticInterval(form)
+        self.form, self.interval = form, MagneticInterval(form)
 
     def moved(
         self, x: Array, u: Array, stage: Interval, p: MagneticParameters, finer: int = 1
@@ -58,7 +58,9 @@ class StageDerivatives:
         costate: Array,
         kept: Expansion,
     ) -> Array:
-        """Second derivatives (10, 10) of cost + costate . gap."""
+        """Second derivatives (10, 10) of cost + costate . gap, or of the cost alone."""
+        if not self.form.exact:
+            return self.interval.gauss_newton(kept, x, u, stage, p)
         missed = turn(_three(difference(retract(x[:4], kept.end[:3]), x_next[:4])))
         ended = turn(_three(kept.end))
         force = _three(costate)

@@ -1,9 +1,10 @@
 """One interval by the classical Runge-Kutta formula, with first and second derivatives.
 
-The coordinates within an interval are the turn e since its beginning, the rate omega_ib and the
-logarithm of the final time.  The turn begins at zero, where a small error of the attitude is a
-change of e, so the formula knows no manifold.  The environment does not depend on the motion: it is
-evaluated once at the instants of the formula, with its derivatives by the final time.
+The coordinates within an interval are the turn e since its beginning, the rate omega_ib in radians
+per unit of time (`MagneticParameters.unit`) and the logarithm of the final time.  The turn begins
+at zero, where a small error of the attitude is a change of e, so the formula knows no manifold.
+The environment does not depend on the motion: it is evaluated once at the instants of the formula,
+with its derivatives by the final time.
 
 Source of the second derivatives: Hager (2000), "Runge-Kutta methods in optimal control and the
 transformed adjoint system".
@@ -24,7 +25,7 @@ from jaxatt.optimize.transcription.runge_kutta import Interval
 from jaxatt.problems.net_power.magnetic.blocks import along_rows, on_rows, transposed
 from jaxatt.problems.net_power.magnetic.motion import Here, here, rates
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
-from jaxatt.problems.net_power.magnetic.slopes import bends, slopes
+from jaxatt.problems.net_power.magnetic.slopes import bends, lost_power_bend, slopes
 from jaxatt.runtime.arrays import Flags, Floats
 
 MOVING, WIDTH = 6, 10
@@ -75,11 +76,12 @@ class MagneticInterval:
     def _along(
         self, x: Array, interval: Interval, p: MagneticParameters, steps: int
     ) -> tuple[Here, Array, Array]:
-        """Environment at the points (P,), the final time and the interval's length in its units."""
-        final = jnp.exp(x[-1])
+        """Environment at the points (P,), the final time in units of `p.unit`, and the interval's
+        share of it."""
+        final = jnp.exp(x[-1]) / p.unit
         instants = interval.time + interval.length * jnp.arange(2 * steps + 1) / (2 * steps)
         q0 = Quaternion.of(x[:4]).normalized()
-        seen = jax.vmap(lambda when: here(when * final, q0, p, self.form))(instants)
+        seen = jax.vmap(lambda when: here(when * final * p.unit, q0, p, self.form))(instants)
         index = _points(steps).instant
         return jax.tree.map(lambda leaf: leaf[index], seen), final, interval.length
 
@@ -102,7 +104,7 @@ class MagneticInterval:
             turning, spinning, power = rates(
                 Vector(y[0], y[1], y[2]), Vector(y[3], y[4], y[5]), v, at, p
             )
-            cost = -p.scale * power * (1.0 if self.form.mean_power else final)
+            cost = -p.scale * power * (1.0 if self.form.mean_power else final * p.unit)
             rate = jnp.stack([*(final * part for part in turning.parts + spinning.parts), cost])
             return (base, total + length * row.own * rate, rate), None
 
@@ -145,7 +147,7 @@ class MagneticInterval:
                 final * (sum(parts) + whole * unit[6])
                 for *parts, whole in zip(*spinning, later, strict=True)
             ]
-            weight = -p.scale * (1.0 if self.form.mean_power else final)
+            weight = -p.scale * (1.0 if self.form.mean_power else final * p.unit)
             by_time = s.power_by_time + (0.0 if self.form.mean_power else s.power)
             shone = along_rows(s.power_by_turn, by_turn) + along_rows(s.power_by_dipole, dipoles)
             rows.append(weight * (shone + by_time * unit[6]))
@@ -176,10 +178,10 @@ class MagneticInterval:
         unit = jnp.eye(WIDTH, dtype=x.dtype)
         rows = _points(self.form.substeps)
         following = np.append(rows.before[1:], 0.0)
-        scale = -p.scale * (1.0 if self.form.mean_power else final)
+        scale = -p.scale * (1.0 if self.form.mean_power else final * p.unit)
 
         def back(
-            carry: tuple[Array, ...], inputs: tuple[Point, Array, Array, Array, Here]
+            carry: tuple[Array, ...], inputs: tuple[Any, ...]
         ) -> tuple[tuple[Array, ...], None]:
             at_end, gathered, ahead, upper, lower = carry
             row, after, y, moved, at = inputs
@@ -239,4 +241,32 @@ class MagneticInterval:
         inputs: Any = (rows, following, found.at, found.moved, seen)
         (_, _, _, upper, lower), _ = lax.scan(back, carry, inputs, reverse=True)
         whole = jnp.concatenate([upper[:MOVING], upper[MOVING:] + lower])
+        return 0.5 * (whole + whole.T)
+
+    def gauss_newton(
+        self, found: Expansion, x: Array, u: Array, interval: Interval, p: MagneticParameters
+    ) -> Array:
+        """Curvature (10, 10) of the cost alone, as if the path were linear in all it depends on.
+
+        Where the panels earn less than they could it is that of a cost which their best power
+        bounds, so it is positive semidefinite, see `lost_power_bend`.
+        """
+        seen, final, length = self._along(x, interval, p, self.form.substeps)
+        rows = _points(self.form.substeps)
+        scale = p.scale * (1.0 if self.form.mean_power else final * p.unit)
+        unit = jnp.eye(WIDTH, dtype=x.dtype)
+
+        def point(_: None, inputs: tuple[Point, Array, Array, Here]) -> tuple[None, Array]:
+            row, y, moved, at = inputs
+            turns = list(moved[:3])
+            bent = lost_power_bend(Vector(y[0], y[1], y[2]), at, p)
+            total = jnp.zeros((WIDTH, WIDTH), x.dtype)
+            for row_of, pulled in zip(turns, on_rows(bent, turns), strict=True):
+                total = total + row_of[:, None] * pulled[None, :]
+            return None, length * row.own * scale * total
+
+        _, parts = lax.scan(point, None, (rows, found.at, found.moved, seen))
+        drawn = 2.0 * length * scale * p.dipole_power
+        dipoles = sum(drawn[k] * unit[7 + k][:, None] * unit[7 + k][None, :] for k in range(3))
+        whole = jnp.sum(parts, axis=0) + dipoles
         return 0.5 * (whole + whole.T)

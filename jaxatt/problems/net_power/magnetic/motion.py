@@ -100,7 +100,7 @@ def _light(
 
 
 def other_torques(omega: Vector, seen: Here, p: MagneticParameters) -> Vector:
-    """Torques [N m] but those of the magnetorquers and of the residual dipole."""
+    """Torques [kg m^2 per unit of time squared] but those of the dipoles."""
     along = Along(
         down=seen.down,
         gradient=None if seen.gradient is None else jnp.asarray(seen.gradient),
@@ -109,16 +109,16 @@ def other_torques(omega: Vector, seen: Here, p: MagneticParameters) -> Vector:
         field=seen.field,
     )
     upright = Quaternion(1.0, 0.0 * omega)
-    torque: Vector = p.other.total(upright, omega, along, Matrix.of(p.inertia), None)
-    return torque
+    torque: Vector = p.other.total(upright, omega / p.unit, along, Matrix.of(p.inertia), None)
+    return torque * p.unit**2
 
 
 def rates(
     e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters
 ) -> tuple[Vector, Vector, Array]:
-    """Derivatives of e [1/s] and omega_ib [rad/s^2], and net power [W].
+    """Derivatives of e and omega_ib by the time in units, and net power [W].
 
-    v : dipole in units of its limit.
+    omega : per unit of time.  v : dipole in units of its limit.
     """
     sigma = 0.25 * e
     norm = 1.0 + sigma.dot(sigma)
@@ -126,9 +126,9 @@ def rates(
     turning = (2.0 - norm) * omega + 2.0 * sigma.cross(omega) + (2.0 * sigma.dot(omega)) * sigma
     seen = at.seen(q)
     inertia = Matrix.of(p.inertia)
-    dipole = v.times(Vector.of(p.dipole_limit)) + Vector.of(p.residual)
+    dipole = (v.times(Vector.of(p.dipole_unit)) + Vector.of(p.residual)) * p.unit**2
     torque = dipole.cross(seen.field) + other_torques(omega, seen, p)
     spinning = Matrix.of(p.inverse) @ (torque - omega.cross(inertia @ omega))
     area = collecting_area(p.panels, seen.sun, p.panel_smoothing)
-    drawn = v.times(v).dot(Vector.of(p.saturated_power))
-    return turning, spinning, p.irradiance * seen.light * area - drawn
+    drawn = v.times(v).dot(Vector.of(p.dipole_power))
+    return turning, spinning, p.irradiance * seen.light * area - drawn - p.load

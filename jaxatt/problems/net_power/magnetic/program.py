@@ -4,8 +4,8 @@
 
 or, by energy, J_F - integral of P dt + k3 T.  The logarithm of the final time is a state that
 nothing changes and whose first value is decided with the dipoles (time dilation); the nodes move
-with it, and with them field, sun and eclipse.  A state holds q_ib, omega_ib [rad/s] and that
-logarithm; a control is a dipole in units of its limit.
+with it, and with them field, sun and eclipse.  A state holds q_ib, omega_ib in radians per unit of
+time (`MagneticParameters.unit`), and that logarithm; a control is a dipole in units of its limit.
 
 Source: Kristiansen (2023), chapter 6.
 """
@@ -15,7 +15,7 @@ from __future__ import annotations
 import functools
 
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
 
 from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.attitude.state_manifold import difference, retract
@@ -45,17 +45,14 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
         final = jnp.exp(x[-1])
         total = p.time_weight * final
         if not form.reach:
-            q, rate = relative(x, p)
-            missed = rate - p.reference_rate
-            total = total + p.attitude_weight * (1.0 - jnp.sum(q * p.reference))
+            target, missed = wanted(x, p, form)
+            total = total + p.attitude_weight * (1.0 - jnp.sum(x[:4] * target))
             total = total + p.rate_weight * jnp.sum(missed**2)
         return p.scale * total
 
     def final_rows(x: Array, p: MagneticParameters) -> Array:
-        q, rate = relative(x, p)
-        return jnp.concatenate(
-            [attitude_row(p.reference, q), RATE_SCALE * (rate - p.reference_rate)]
-        )
+        target, missed = wanted(x, p, form)
+        return jnp.concatenate([attitude_row(target, x[:4]), RATE_SCALE * missed])
 
     def final_inequality(x: Array, p: MagneticParameters) -> Array:
         final = jnp.exp(x[-1])
@@ -83,13 +80,40 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
     )
 
 
-def relative(x: Array, p: MagneticParameters) -> tuple[Array, Array]:
-    """Attitude q_ob (4,) and rate omega_ob (3,) [rad/s] of a last state.
+def wanted(x: Array, p: MagneticParameters, form: MagneticForm) -> tuple[Array, Array]:
+    """Attitude q_ib (4,) to end in, and the error (3,) [rad/s] of the rate, of a last state.
 
-    The rate relative to the orbit frame is algebraic: omega_ib - R(q_ob)' omega_io.
+    The rate relative to the orbit frame is algebraic: omega_ib - R(q_ib)' omega_io.
     """
-    here = p.environment.at(p.begin + jnp.exp(x[-1]))
-    q = here.q_io.conjugate().multiply(Quaternion.of(x[:4]).normalized())
-    zero = 0.0 * here.orbit_rate
-    moved = q.rotate_inverse(Vector(zero, here.orbit_rate, zero))
-    return q.array, x[4:7] - moved.array
+    if not form.orbit_frame:
+        return p.reference, x[4:7] / p.unit - p.reference_rate
+    # To second order in the logarithm of the time, which is all that is differentiated.  The
+    # formulas are flat, and behind a barrier: the compiler writes out what stands before anew
+    # wherever it is used.
+    at = lax.stop_gradient(x[-1])
+    later, final = x[-1] - at, jnp.exp(at)
+    value, slope, bend = p.environment.moving.to_second_order(p.begin + final)
+    orders = value, final * slope, final * slope + final**2 * bend
+    frame = Quaternion.of(value[:4]).normalized()
+    across = frame.rotate(Vector(0.0, 1.0, 0.0)).array
+    target = [Quaternion.of(o[:4]).multiply(Quaternion.of(p.reference)).array for o in orders]
+    # The orbit's plane does not turn.
+    turning = [order[4] * across for order in orders]
+    target, turning = lax.optimization_barrier((target, turning))  # type: ignore[no-untyped-call]
+
+    def now(orders: list[Array]) -> Array:
+        return orders[0] + later * (orders[1] + 0.5 * later * orders[2])
+
+    carried = jnp.sum(_to_body(x) * now(turning)[None, :], axis=1)
+    return now(target), x[4:7] / p.unit - carried - p.reference_rate
+
+
+def _to_body(x: Array) -> Array:
+    """Rotation matrix (3, 3) from inertial to body axes, of a state with a unit quaternion."""
+    w, i, j, k = (x[n] for n in range(4))
+    rows = [
+        [1.0 - 2.0 * (j * j + k * k), 2.0 * (i * j + w * k), 2.0 * (i * k - w * j)],
+        [2.0 * (i * j - w * k), 1.0 - 2.0 * (i * i + k * k), 2.0 * (j * k + w * i)],
+        [2.0 * (i * k + w * j), 2.0 * (j * k - w * i), 1.0 - 2.0 * (i * i + j * j)],
+    ]
+    return jnp.stack([jnp.stack(row) for row in rows])

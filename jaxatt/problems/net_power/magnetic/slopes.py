@@ -30,7 +30,7 @@ from jaxatt.spacecraft.panels import collecting_area
 
 
 class Slopes(NamedTuple):
-    """Rates and their derivatives, all per second; the last coordinate is the log of the time.
+    """Rates and their derivatives, all per unit of time; the last one is by the log of the time.
 
     turning, spinning : rates of turn and rate.  power : [W].
     turning_by_turn, turning_by_rate; spinning_by_turn, spinning_by_rate, spinning_by_dipole :
@@ -63,8 +63,8 @@ def slopes(e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters)
     here = turn(e)
     seen = at.seen(here.attitude)
     inertia, inverse = Matrix.of(p.inertia), Matrix.of(p.inverse)
-    limit, share = Vector.of(p.dipole_limit), Vector.of(p.saturated_power)
-    dipole = v.times(limit) + Vector.of(p.residual)
+    limit, share = Vector.of(p.dipole_unit) * p.unit**2, Vector.of(p.dipole_power)
+    dipole = v.times(limit) + Vector.of(p.residual) * p.unit**2
     other, by_small, by_rate, by_time = _others(omega, seen, p)
     momentum = inertia @ omega
     torque = dipole.cross(seen.field) + other - omega.cross(momentum)
@@ -77,7 +77,7 @@ def slopes(e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters)
     return Slopes(
         turning=here.rate @ omega,
         spinning=inverse @ torque,
-        power=shone * area - v.times(v).dot(share),
+        power=shone * area - v.times(v).dot(share) - p.load,
         turning_by_turn=rate_slope(here, omega),
         turning_by_rate=here.rate,
         spinning_by_turn=times(inverse, times(pull, here.small)),
@@ -160,7 +160,7 @@ def bends(
     """
     a, b, c = weights
     inertia, inverse = Matrix.of(p.inertia), Matrix.of(p.inverse)
-    limit, share = Vector.of(p.dipole_limit), Vector.of(p.saturated_power)
+    limit, share = Vector.of(p.dipole_unit) * p.unit**2, Vector.of(p.dipole_power)
     here, seen = found.turn, found.seen
     field, sun = seen.field, seen.sun
     force = transposed(inverse) @ b
@@ -225,3 +225,21 @@ def _area_bend(sun: Vector, p: MagneticParameters) -> Matrix:
         unit = Vector(*(zero + float(i == k) for i in range(3)))
         rows.append(jax.jvp(jax.grad(lambda s: _area(s, p)), (sun,), (unit,))[1])
     return Matrix((rows[0], rows[1], rows[2]))
+
+
+def lost_power_bend(e: Vector, at: Here, p: MagneticParameters) -> Matrix:
+    """Curvature by the turn of the power that the panels lose to the best they can have.
+
+    By the law of squared cosines, and for faces that are equal on either side, the power is s'Q s
+    of the sun's direction s, and what is lost s'(q - Q) s, q the largest eigenvalue: a sum of
+    squares.  Its curvature is taken as if s were linear in the turn.
+    """
+    here = turn(e)
+    sun = at.seen(here.attitude).sun
+    loss = total(
+        identity(p.panels.incidence_exponent * p.best_area + 0.0 * sun.x),
+        scaled(_area_bend(sun, p), -1.0),
+    )
+    moved = times(skew(sun), here.small)
+    shone = p.irradiance * at.light
+    return scaled(times(transposed(moved), times(loss, moved)), shone)
