@@ -15,7 +15,6 @@ from jaxatt.problems.net_power.reading.objective import KIND
 from jaxatt.problems.net_power.reading.scenario import read_net_power
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.net_power.report.sections import NET_POWER
-from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report
@@ -32,15 +31,6 @@ class NetPower(Family):
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_net_power(document, origin, folder)
-
-    def check(self, scenario: Scenario, options: SearchOptions) -> None:
-        super().check(scenario, options)
-        if scenario.horizon.free:
-            raise ScenarioError(
-                f'{scenario.origin}: [horizon] final_time = "free": manoeuvres by magnetorquers '
-                "alone are read, but there is no search for them yet; use a vehicle with wheels "
-                "and a fixed time"
-            )
 
     def phases(self, scenario: Scenario) -> int:
         """One for a manoeuvre, one for each task of a plan."""

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-_SHORT = (32, 64, 128)
-_STEPS, _FINE_STEPS, _LONG = 4, 8, 1024
-"""Lengths between two powers of two, and those from so many intervals on."""
+_LEAST, _LONG, _STEPS = 64, 1024, 8
+"""Shortest length; lengths are powers of two up to the second, then so many between two powers."""
 
 
 def shared_length(intervals: int) -> int:
     """Least shared length that holds so many intervals.
 
-    Longer ones are wider apart; what is filled up costs as much time as other intervals do.
+    What is filled up costs as much time as other intervals do: less than the compilation that it
+    spares where programmes are short, and where they are long, lengths are closer together.
     """
-    for length in _SHORT:
-        if intervals <= length:
-            return length
-    power = 1 << (intervals.bit_length() - 1)
-    apart = power // (_FINE_STEPS if intervals >= _LONG else _STEPS)
+    if intervals <= _LONG:
+        return max(_LEAST, 1 << (intervals - 1).bit_length())
+    apart = (1 << (intervals.bit_length() - 1)) // _STEPS
     return -(-intervals // apart) * apart
