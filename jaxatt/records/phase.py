@@ -15,6 +15,11 @@ from jaxatt.runtime.arrays import Flags, Floats
 class Section:
     """Data that only the answers of one family have; a family derives a dataclass from it."""
 
+    @property
+    def control_unit(self) -> str:
+        """Unit of the decided controls, in which what is over a limit is told."""
+        return "N m"
+
     def headline(self, phases: Sequence[Phase]) -> str:
         """Short text of an answer for the head of a figure: its final times."""
         return ", ".join(f"{phase.final_time:.4f} s" for phase in phases)

@@ -70,6 +70,7 @@ def _caption(result: Answer, numbers: Mapping[str, Any]) -> Text:
 
 def _rows(result: Answer) -> list[Row]:
     first, unitless = result.phases[0], result.scenario.vehicle is None
+    unit = first.section.control_unit
     own = sections_of(result).rows(result)
     known = [key for key, *_ in _ERRORS]
     return [
@@ -88,10 +89,10 @@ def _rows(result: Answer) -> list[Row]:
             for index, extreme in enumerate(first.pointing.extremes if first.pointing else ())
         ),
         (
-            f"over the limit{'' if unitless else ' [N m]'}",
+            f"over the limit{'' if unitless else f' [{unit}]'}",
             lambda b: short(b["max_torque_violation_Nm"]),
         ),
-        (f"L1 effort{'' if unitless else ' [N m s]'}", lambda b: short(b["l1_effort_Nms"], 7)),
+        (f"L1 effort{'' if unitless else f' [{unit} s]'}", lambda b: short(b["l1_effort_Nms"], 7)),
         *own.cost,
         ("starts", _starts),
     ]

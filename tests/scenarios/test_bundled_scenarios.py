@@ -33,9 +33,10 @@ NAMES = (
     "mrp-k5",
     "mrp-k5-2.5rad",
     "mrp-k5-rk4",
+    "mtq-free-time",
     "van-der-pol",
 )
-EARNING = ("hypso1-netpower", "hypso2-orbit")
+EARNING = ("hypso1-netpower", "hypso2-orbit", "mtq-free-time")
 SPARSE = tuple(name for name in NAMES if not name.startswith("m") and name not in EARNING)
 TARGETS = {
     "hypso1-45-0-0": [(45, 0, 0)],

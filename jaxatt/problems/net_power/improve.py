@@ -107,6 +107,10 @@ def _with_starts_of(phase: Phase, old: Phase) -> Phase:
     """The phase with what is known of all starts of the search before."""
     was, now = net_power(old), net_power(phase)
     section: NetPower = replace(
-        now, start_energy=was.start_energy, share=was.share, minima=was.minima
+        now,
+        start_energy=was.start_energy,
+        start_score=was.start_score,
+        share=was.share,
+        minima=was.minima,
     )
     return replace(phase, starts=old.starts, section=section)

@@ -119,6 +119,7 @@ def phase_of(
     torque = flight.wheel_torque[best]
     decided = solved.torque if solved.dipole is None or torque.shape[1] else solved.dipole
     active = np.abs(decided) > _ACTIVE
+    penalised = manoeuvre.terminal == "penalty"
     end, reference = manoeuvre.end, {}
     if end is not None:
         reference = {"q_ib": end.q_ib, "omega_ib": end.omega_ib}
@@ -139,7 +140,7 @@ def phase_of(
             "actuation": energy.actuation,
             "loads": energy.loads,
         },
-        l1_effort=float(np.abs(torque).sum() * step),
+        l1_effort=float(np.abs(decided[best]).sum() * step),
         reached=reached,
         failure_reason=""
         if reached
@@ -149,7 +150,7 @@ def phase_of(
             status=solved.status,
             reached=flown.reached,
             active_intervals=active.any(axis=2).sum(axis=1),
-            effort=np.asarray(np.abs(solved.torque).sum(axis=(1, 2)) * flight.step),
+            effort=np.asarray(np.abs(decided).sum(axis=(1, 2)) * flight.step),
             iterations=solved.iterations,
             shortfall=flown.verdict.shortfall,
             distinct_minima=flown.minima,
@@ -158,6 +159,7 @@ def phase_of(
             energy=energy,
             claimed=float(solved.claimed[best]),
             start_energy=flight.energy.net_J,
+            start_score=flown.score,
             share=flown.share,
             minima=flown.minima,
             violation=float(solved.violation[best]),
@@ -166,6 +168,8 @@ def phase_of(
             baseline=baseline_series(manoeuvre, baseline, duration),
             baseline_errors=_errors(manoeuvre, baseline),
             final_time_free=free_time,
+            cost=-float(flown.score[best]) if free_time or penalised else None,
+            by_dipoles=not torque.shape[1],
         ),
     )
     return record, Motion(*(series[name][-1] for name in ("q_ib", "omega_ib", "omega_bw")))

@@ -61,6 +61,8 @@ class NetPower(Section):
 
     energy : of the phase.  claimed : [J], net energy by the solver's own count.
     start_energy : (S,) [J], net energy of every start's flight; NaN where it is unknown.
+    start_score : (S,), what starts are ranked by, the most first: that energy, or the cost [J], or
+    [W] for mean power, with its sign changed.  cost : of the answer; None where it is the energy.
     share : of the starts, those that reached and are at the best.  minima : different ones.
     violation, stationarity : of the solver at the answer.
     shadow : passages through the Earth's shadow, in times since the epoch.
@@ -68,12 +70,19 @@ class NetPower(Section):
     baseline_errors : name -> error of that flight at its end, as the phase's own.
     task, mode : of a plan; empty for a single manoeuvre.  site : (2,) [deg], latitude and longitude
     of a target on the ground; None without.
-    final_time_free : whether it was found with the rest.
+    final_time_free : whether it was found with the rest.  by_dipoles : whether dipoles alone are
+    decided, and no torques.
     """
+
+    @property
+    def control_unit(self) -> str:
+        """Unit of the decided controls."""
+        return "A m^2" if self.by_dipoles else super().control_unit
 
     energy: Energy
     claimed: float
     start_energy: Floats
+    start_score: Floats
     share: float
     minima: int
     violation: float
@@ -85,6 +94,8 @@ class NetPower(Section):
     mode: str = ""
     site: Floats | None = None
     final_time_free: bool = False
+    cost: float | None = None
+    by_dipoles: bool = False
 
     def headline(self, phases: Sequence[Phase]) -> str:
         """Net energy of all phases, and the gain over the baseline."""

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import jaxatt
-from jaxatt import scenarios
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power.answers import flown_again, phase_manoeuvre
 from jaxatt.problems.net_power.record import net_power

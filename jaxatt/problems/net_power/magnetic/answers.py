@@ -124,9 +124,14 @@ def answers_of(
 
 
 def distinct(values: Floats, times: Floats, most: int) -> npt.NDArray[np.int64]:
-    """Indices of the least values, at most so many, without those that are the same answer."""
+    """Indices of the least values, at most so many, without those that are the same answer.
+
+    Those that are not finite are left out; where none is, the first one is returned.
+    """
     kept: list[int] = []
     for k in np.argsort(values, kind="stable"):
+        if kept and not np.isfinite(values[k]):
+            break
         same = (
             abs(values[k] - values[other]) < 1e-5 * max(1.0, abs(values[other]))
             and abs(times[k] - times[other]) < 1e-3 * times[other]

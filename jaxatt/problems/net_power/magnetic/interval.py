@@ -2,7 +2,8 @@
 
 The coordinates within an interval are the turn e since its beginning, the rate omega_ib in radians
 per unit of time (`MagneticParameters.unit`) and the logarithm of the final time.  The turn begins
-at zero, where a small error of the attitude is a change of e, so the formula knows no manifold.
+at zero, where a small error of the attitude is a change of e, so the formula knows no manifold;
+that holds up to the error of the steps, with which the derivatives are those of the interval.
 The environment does not depend on the motion: it is evaluated once at the instants of the formula,
 with its derivatives by the final time.
 

@@ -39,6 +39,7 @@ def names(phase: Phase) -> Block:
         "energy": energy_names(found.energy, phase.final_time),
         "net_power": {
             "claimed_J": found.claimed,
+            "cost": found.cost,
             "share_at_best": found.share,
             "minima": found.minima,
             "shadow_s": [

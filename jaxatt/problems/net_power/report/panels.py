@@ -123,21 +123,25 @@ def shades(answer: Answer) -> tuple[Shade, ...]:
 
 
 def starts_panel(axes: Axes, phase: Phase) -> None:
-    """Draw the net energy of every start from the best to the worst, reached or not."""
+    """Draw the net energy or the cost of every start from the best to the worst."""
     found, starts = net_power(phase), phase.starts
-    known = np.isfinite(found.start_energy)
-    order = np.argsort(np.where(known, -found.start_energy, np.inf), kind="stable")
-    rank, energy, reached = 1 + np.arange(len(order)), found.start_energy[order], starts.reached
+    costly, reached = found.cost is not None, starts.reached
+    # Where everything missed counts as much as in the cost, hopeless starts would hide the others.
+    shown = np.where(reached | (not costly), found.start_score, np.nan)
+    order = np.argsort(np.where(np.isfinite(shown), -shown, np.inf), kind="stable")
+    rank, value = 1 + np.arange(len(order)), shown[order] * (-1.0 if costly else 1.0)
     for mask, marker, index, words in (
         (~reached[order], "x", 1, "not reached"),
         (reached[order], "o", 0, "reached"),
     ):
         if mask.any():
             style: dict[str, Any] = {"s": 20, "color": colour(index), "marker": marker}
-            axes.scatter(rank[mask], energy[mask], label=f"{words} ({int(mask.sum())})", **style)
-    axes.axhline(found.energy.net, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
-    axes.set_xlabel(f"starts in order of energy ({100 * found.share:.0f} % at the best)")
-    axes.set_ylabel("net energy [J]")
+            axes.scatter(rank[mask], value[mask], label=f"{words} ({int(mask.sum())})", **style)
+    best = found.energy.net if found.cost is None else found.cost
+    axes.axhline(best, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
+    words = "cost" if costly else "energy"
+    axes.set_xlabel(f"starts in order of {words} ({100 * found.share:.0f} % at the best)")
+    axes.set_ylabel("cost" if costly else "net energy [J]")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.legend(fontsize=8, frameon=False, loc="best")
     tidy(axes)

@@ -18,6 +18,7 @@ def title(answer: Answer) -> str:
 
 def rows(answer: Answer) -> Rows:
     """Rows of the energies, of the baseline and of the shadow."""
+    unit = "W" if answer.scenario.options.cost == "mean-power" else "J"
     free = net_power(answer.phases[0]).final_time_free
     time: list[Row] = [("final time [s]", lambda b: short(b["final_time_s"], 7))] if free else []
     found: list[Row] = [
@@ -27,12 +28,18 @@ def rows(answer: Answer) -> Rows:
         ("  actuation", lambda b: short(b["energy"]["actuation_J"], 5)),
         ("  loads", lambda b: short(b["energy"]["loads_J"], 7)),
         ("mean power [W]", lambda b: short(b["energy"]["mean_power_W"], 5)),
+        (f"cost [{unit}]", _cost),
         ("baseline, PD law [J]", _baseline),
         ("charge of the battery", _charge),
         ("shadow [s]", _shadow),
         ("optimality", _optimality),
     ]
     return Rows(answer=found)
+
+
+def _cost(block: Block) -> str:
+    found = block["net_power"]
+    return "" if found is None or found["cost"] is None else short(found["cost"], 7)
 
 
 def _baseline(block: Block) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax.numpy as jnp
@@ -12,18 +12,16 @@ import numpy as np
 from jaxatt.multistart.driver import run_starts
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
-from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
 from jaxatt.optimize.status import Status
 from jaxatt.problems.net_power.plan.joint.assemble import Assembled, Leg, assembled
 from jaxatt.problems.net_power.plan.joint.programme import joint_programme
+from jaxatt.problems.net_power.wheels.batch import settings_for
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
-SETTINGS = InteriorSettings(
-    tolerance=1e-6, barrier=1e-4, max_iterations=150, shifts=SMALL_SHIFTS, crossover_from=0.0
-)
-"""As of one harvest, with a first barrier for a start that is nearly optimal."""
+_BARRIER = 1e-4
+"""The first one, for a start that is nearly optimal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,14 +61,16 @@ class _Job:
 def solve_jointly(
     legs: Sequence[Leg],
     substeps: int,
-    settings: InteriorSettings = SETTINGS,
+    settings: InteriorSettings | None = None,
     report: Report | None = None,
 ) -> JointAnswer:
     """Solve the plan once, starting from its tasks as flown.
 
     substeps : steps of the motion an interval.
+    settings : of the solver; None for those of one harvest, from a smaller barrier.
     """
     plan = assembled(legs, substeps)
+    settings = settings or replace(settings_for(plan.form), barrier=_BARRIER)
     found: InteriorSolution = run_starts(
         InteriorPoint(settings),
         _Job(plan.form),

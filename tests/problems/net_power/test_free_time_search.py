@@ -1,0 +1,92 @@
+"""Search of turns by magnetorquers alone: what is found, flown and said."""
+
+import copy
+import tomllib
+
+import numpy as np
+import pytest
+
+import jaxatt
+from jaxatt import scenarios
+from jaxatt.attitude import quaternion
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.net_power.build import free_manoeuvre_of
+from jaxatt.problems.net_power.magnetic.along_field import farthest_from_field
+from jaxatt.problems.net_power.magnetic.search import search_front
+from jaxatt.problems.net_power.magnetic.task import MagneticTask
+from jaxatt.problems.net_power.record import net_power
+
+DOCUMENT = tomllib.loads(scenarios.text("mtq-free-time"))
+STARTS = 4
+
+
+def turn(longest, **tables):
+    """A short turn in few intervals, which has to reach."""
+    document = copy.deepcopy(DOCUMENT)
+    document.pop("printed")
+    document["horizon"] = {
+        "final_time": "free",
+        "intervals": 32,
+        "shortest_s": 60.0,
+        "longest_s": longest,
+    }
+    document["objective"] = {
+        "kind": "net-power",
+        "cost": "mean-power",
+        "time_weight_W_s": 0.1,
+    }
+    return scenarios.from_mapping({**document, **tables})
+
+
+@pytest.fixture(scope="module")
+def answer():
+    return jaxatt.solve(turn(900.0), starts=STARTS)
+
+
+def test_a_turn_reaches_and_is_worth_what_the_solver_says(answer):
+    (phase,) = answer.phases
+    found = net_power(phase)
+    assert phase.reached
+    assert 60.0 <= phase.final_time <= 900.0
+    assert found.claimed == pytest.approx(found.energy.net, rel=5e-3)
+    cost = 0.1 * phase.final_time - found.energy.net / phase.final_time
+    assert found.cost == pytest.approx(cost, rel=1e-9)
+    limit = np.asarray(answer.scenario.vehicle.magnetorquers.dipole_limit)
+    assert (np.abs(phase.controls) <= limit * (1.0 + 1e-12)).all()
+
+
+def test_starts_are_ranked_by_the_cost(answer):
+    (phase,) = answer.phases
+    found, reached = net_power(phase), phase.starts.reached
+    assert -found.cost == found.start_score[reached].max()
+
+
+def test_time_and_energy_fall_with_the_weight_of_time():
+    task = MagneticTask(free_manoeuvre_of(turn(900.0), PhaseStart()))
+    weights = np.array([1e-8, 1e-2, 1.0])
+    found = search_front(task.manoeuvre, weights, 2, 0)
+    best = found.answers.pick(found.best)
+    assert (best.shortfall(task) <= 1.0).all()
+    assert (np.diff(best.final_time) <= 1e-9).all()
+    assert (np.diff(best.final_time * best.flown.mean_power) <= 1e-6).all()
+
+
+def test_a_turn_along_the_field_is_said_with_what_was_left():
+    """The axis of the turn is the field's direction, which hardly moves in so short a time."""
+    from_rest = turn(120.0)
+    task = MagneticTask(free_manoeuvre_of(from_rest, PhaseStart()))
+    begin = np.asarray(task.parameters.start)[:4]
+    field = np.asarray(task.parameters.environment.at(0.0).field.array)
+    axis = field / np.linalg.norm(field)
+    half = 0.5 * np.radians(100.0)
+    end = np.asarray(quaternion.multiply(np.array([np.cos(half), *np.sin(half) * axis]), begin))
+    seen = quaternion.conjugate(task.parameters.environment.at(90.0).q_io.array)
+    target = {"frame": "orbit", "attitude_quaternion": quaternion.multiply(seen, end).tolist()}
+    scenario = turn(120.0, target=target | {"attitude_tolerance_deg": 1.0})
+    asked = MagneticTask(free_manoeuvre_of(scenario, PhaseStart()))
+    assert farthest_from_field(asked, 90.0) < np.radians(15.0)
+    result = jaxatt.solve(scenario, starts=STARTS)
+    assert not result.reached
+    reason = result.phases[0].failure_reason
+    assert "along the magnetic field" in reason
+    assert "deg were left at best" in reason
