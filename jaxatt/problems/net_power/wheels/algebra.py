@@ -10,6 +10,9 @@ from jax import Array
 
 from jaxatt.simulation.momentum_model import Components
 
+Matrix = list[list[Array]]
+"""Matrix (3, 3) of components."""
+
 
 def chart(s: Components) -> list[list[Array]]:
     """Derivative (3, 3) of four times MRP s with respect to a small turn in body axes."""
@@ -44,11 +47,20 @@ def outer(a: Array | Sequence[Array], b: Array | Sequence[Array]) -> Array:
     return total
 
 
-def times_rows(matrix: Array, rows: Components) -> Components:
-    """Product of a matrix (3, 3) with three rows."""
-    return tuple(
-        matrix[i, 0] * rows[0] + matrix[i, 1] * rows[1] + matrix[i, 2] * rows[2] for i in range(3)
-    )
+def crossing(a: Components) -> Matrix:
+    """Matrix (3, 3) of a x ."""
+    none = jnp.zeros_like(a[0])
+    return [[none, -a[2], a[1]], [a[2], none, -a[0]], [-a[1], a[0], none]]
+
+
+def product(a: Matrix, b: Matrix) -> Matrix:
+    """Product of two matrices (3, 3)."""
+    return [[dot(line, [b[k][j] for k in range(3)]) for j in range(3)] for line in a]
+
+
+def times_crossing(matrix: Array, a: Components) -> Matrix:
+    """Product of a matrix (3, 3) and that of a x ."""
+    return product([[matrix[i, j] for j in range(3)] for i in range(3)], crossing(a))
 
 
 def inverse(value: Array) -> Array:
