@@ -42,6 +42,7 @@ class Kept(NamedTuple):
     turning: Array
     sunlit: Array
     spins: Array
+    rates: Array
     dipole: Array
     by_dipole: Array
 
@@ -235,6 +236,7 @@ class IntervalDerivatives:
             jnp.stack(turning),
             sunlit,
             spins,
+            jnp.stack([self._by_z(changed[:, i], p, to_slope) for i in range(6)]),
             small[9:12],
             by_dipole,
         )
@@ -373,8 +375,6 @@ class IntervalDerivatives:
         turning = tuple(kept.turning[i] for i in range(3))
         idle = jnp.zeros(form.wheels, costate.dtype)
         still, flat = jnp.zeros(form.stored, costate.dtype), jnp.zeros(3, costate.dtype)
-        to_slope = self._to_slope(p)
-        slope = tuple(self._row(flat, still, -to_slope[i]) for i in range(3))
         # Of the exponential: (b x (turn x b)) / 12.
         along = _dot(force, turn) / 6.0
         bend = [
@@ -384,38 +384,48 @@ class IntervalDerivatives:
         half = times(0.5, force)
         by_turn = _times_rows(kept.back.T, cross(turning, half))
         curved = [kept.sunlit[k] * paid for k in range(6)]
+        # The rotation vector's own second order, seen from the end of the interval.
+        pressed = added(force, cross(turn, half))
+        change = tuple(kept.rates[3 + i] - kept.rates[i] for i in range(3))
         if form.momentum != "zero":
             q = at.quaternion(x)
             total = to_body(q, at.total_momentum(x, p, form))
             omega = at.rate_of(x, total, p, form)
-            pull = matvec(p.inverse.T, force)
-            far = times(h * h * h / 6.0, pull)
-            late = added(times(0.5 * h * h, pull), cross(omega, far))
+            pull = matvec(p.inverse, pressed)
+            tilt = added(cross(omega, pull), matvec(p.inverse, cross(pull, total)))
+            early = added(times(h, pull), times(0.5 * h * h, tilt))
+            middle = added(times(0.5 * h, pull), times(0.125 * h * h, tilt))
+            twist = times(h * h / 12.0, matvec(p.inverse, cross(pressed, omega)))
+            far = times(h, added(times(2.0 / 3.0, middle), twist))
+            first_rate = tuple(kept.rates[i] for i in range(3))
+            late = cross(added(first_rate, times(0.5, change)), far)
             # By the momentum that a turned body sees to second order, phi x (phi x H) / 2.
-            felt = added(times(h, pull), cross(omega, late))
-            level = _dot(felt, total)
-            # By the momentum that a turned body sees, H x phi, with the rate that it makes.
+            level = _dot(early, total)
             seen = added(
-                times(_inverse(h), cross(turning, late)),
-                cross(slope, far),
-                times(_inverse(h), cross(omega, cross(turning, far))),
+                times(h / 6.0, cross(first_rate, early)), late, times(0.5 * h, cross(omega, late))
             )
             by_turn = added(by_turn, cross(seen, total))
-            stiff = _inverse(h * h)
+            if form.torqued:
+                carried = self._carried(q, p)
+                # A change of the total momentum is seen from a body that turned.
+                by_turn = added(by_turn, cross(early, carried))
+            stiff = 0.5 * _inverse(h)
             for i in range(3):
                 for j in range(3):
                     mixed = far[i] * total[j] + total[i] * far[j]
                     bend[i][j] = bend[i][j] + stiff * (mixed - 2.0 * _dot(far, total) * (i == j))
             for k, (i, j) in enumerate(_PAIRS):
-                value = 0.5 * (felt[i] * total[j] + total[i] * felt[j])
+                value = 0.5 * (early[i] * total[j] + total[i] * early[j])
                 curved[k] = curved[k] + (value - level if i == j else value)
-        wound = times(h * h / 12.0, cross(slope, force))
+        wound = times(h / 12.0, cross(change, pressed))
         by_bend = [
             0.5 * (bend[i][0] * turning[0] + bend[i][1] * turning[1] + bend[i][2] * turning[2])
             + wound[i]
             for i in range(3)
         ]
         total_half = _outer(turning, by_bend)
+        if form.torqued:
+            total_half = total_half + _outer(carried, seen)
         if form.magnetorquers == "managing":
             size = jnp.sqrt(kept.dipole**2 + p.rounding**2)
             price = p.dipole_price * p.rounding**2 / (size * size * size)
@@ -436,6 +446,14 @@ class IntervalDerivatives:
                 way = way.at[place + 3 + i].set(-1.0)
                 total_half = total_half + lost[i] * way[:, None] * way[None, :]
         return total_half + total_half.T
+
+    def _carried(self, q: Components, p: WheelsParameters) -> Components:
+        """Momentum in body axes by the total one where that is carried, three rows in z."""
+        form, dtype = self.form, q[0].dtype
+        flat, still = jnp.zeros(3, dtype), jnp.zeros(form.stored, dtype)
+        idle, own = jnp.zeros(form.wheels, dtype), p.momentum_scale * jnp.eye(3, dtype=dtype)
+        rows = tuple(self._row(flat, still, idle, total=own[i]) for i in range(3))
+        return to_body(q, rows)
 
     def _to_slope(self, p: WheelsParameters) -> Array:
         """Slope of the lost rate by the scaled torques, (3, n)."""
