@@ -21,10 +21,13 @@ from jax import Array
 from jaxatt.attitude.state_manifold import difference, retract
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.net_power.wheels import coordinates as at
-from jaxatt.problems.net_power.wheels.derivatives import IntervalDerivatives
 from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.hessian import lagrangian_hessian
 from jaxatt.problems.net_power.wheels.interval import Motion, motion
+from jaxatt.problems.net_power.wheels.linearisation import linearisation
+from jaxatt.problems.net_power.wheels.margins import path_hessian
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
+from jaxatt.problems.net_power.wheels.rows import Rows
 from jaxatt.problems.net_power.wheels.sunlight import collected
 from jaxatt.problems.net_power.wheels.turn import multiplied
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
@@ -34,7 +37,7 @@ from jaxatt.simulation.momentum_model import to_body
 @functools.cache
 def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
     """Programme of a form, of `WheelsParameters`."""
-    closed = IntervalDerivatives(form)
+    of_z = Rows(form)
 
     def moved(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> tuple[Array, Array]:
         found = motion(at.course(x, u, p, form), stage.step, stage.along, p, form)
@@ -132,8 +135,8 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         inequality=inequality if limited else None,
         final_rows=final_rows if form.end == "reach" else None,
         limits=limits,
-        linearisation=closed.linearisation,
-        lagrangian_hessian=closed.lagrangian_hessian,
-        path_hessian=closed.path_hessian if limited else None,
+        linearisation=functools.partial(linearisation, of_z),
+        lagrangian_hessian=functools.partial(lagrangian_hessian, of_z),
+        path_hessian=functools.partial(path_hessian, of_z) if limited else None,
         moved=moved,
     )

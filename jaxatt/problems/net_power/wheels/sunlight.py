@@ -27,7 +27,7 @@ class Collected(NamedTuple):
     bend: Components
 
 
-_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
+PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 
 
 def collected(panels: SolarPanels, sun: Components, smoothing: Array) -> Collected:
@@ -65,7 +65,7 @@ def collected(panels: SolarPanels, sun: Components, smoothing: Array) -> Collect
     gain = [jnp.sum(normals[i] * other * first) for i in range(3)]
     bend = tuple(
         jnp.sum(normals[i] * normals[j] * bent) - shade[i] * gain[j] - shade[j] * gain[i]
-        for i, j in _PAIRS
+        for i, j in PAIRS
     )
     return Collected(area, slope, bend)
 
@@ -77,14 +77,14 @@ def by_turn(found: Collected, sun: Components) -> tuple[Components, dict[tuple[i
     """
     slope, bend = found.slope, found.bend
     gradient = cross(slope, sun)
-    full = {pair: bend[k] for k, pair in enumerate(_PAIRS)}
-    full |= {(j, i): bend[k] for k, (i, j) in enumerate(_PAIRS)}
+    full = {pair: bend[k] for k, pair in enumerate(PAIRS)}
+    full |= {(j, i): bend[k] for k, (i, j) in enumerate(PAIRS)}
     # Rows of B S, with S phi = s x phi, then S' (B S).
     rows = [cross((full[i, 0], full[i, 1], full[i, 2]), sun) for i in range(3)]
     columns = [cross((rows[0][j], rows[1][j], rows[2][j]), sun) for j in range(3)]
     along = slope[0] * sun[0] + slope[1] * sun[1] + slope[2] * sun[2]
     hessian = {}
-    for i, j in _PAIRS:
+    for i, j in PAIRS:
         entry = columns[j][i] + 0.5 * (slope[i] * sun[j] + sun[i] * slope[j])
         hessian[i, j] = entry - along if i == j else entry
     return gradient, hessian

@@ -1,0 +1,69 @@
+"""Small products and charts that the derivatives of an interval are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+from jax import Array
+
+from jaxatt.simulation.momentum_model import Components
+
+
+def chart(s: Components) -> list[list[Array]]:
+    """Derivative (3, 3) of four times MRP s with respect to a small turn in body axes."""
+    squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
+    none = jnp.zeros_like(squared)
+    skew = [[none, -s[2], s[1]], [s[2], none, -s[0]], [-s[1], s[0], none]]
+    return [
+        [(1.0 - squared) * (i == j) + 2.0 * skew[i][j] + 2.0 * s[i] * s[j] for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def back(q: Components) -> list[list[Array]]:
+    """Rotation matrix R(q)'."""
+    w, x, y, z = q
+    return [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+
+
+def conjugate(q: Components) -> Components:
+    return q[0], -q[1], -q[2], -q[3]
+
+
+def outer(a: Array | Sequence[Array], b: Array | Sequence[Array]) -> Array:
+    """Sum of the products of the rows of a and of b, (z, z)."""
+    total = a[0][:, None] * b[0][None]
+    for k in range(1, len(a)):
+        total = total + a[k][:, None] * b[k][None]
+    return total
+
+
+def times_rows(matrix: Array, rows: Components) -> Components:
+    """Product of a matrix (3, 3) with three rows."""
+    return tuple(
+        matrix[i, 0] * rows[0] + matrix[i, 1] * rows[1] + matrix[i, 2] * rows[2] for i in range(3)
+    )
+
+
+def inverse(value: Array) -> Array:
+    """Inverse, or 0 of an interval without length."""
+    there = value > 0.0
+    return jnp.where(there, 1.0 / jnp.where(there, value, 1.0), 0.0)
+
+
+def dot(a: Any, b: Any) -> Any:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def matrix_product(a: Array, b: Array) -> Array:
+    """Product of small matrices as a sum of rank-one products."""
+    total = a[:, :1] * b[:1]
+    for k in range(1, a.shape[1]):
+        total = total + a[:, k : k + 1] * b[k : k + 1]
+    return total
