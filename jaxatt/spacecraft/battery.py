@@ -36,23 +36,19 @@ class Battery:
         return self.input_efficiency * gained - drawn / self.output_efficiency
 
 
-def charge_along(battery: Battery, gained: Any, drawn: Any, start: Any = None) -> jax.Array:
-    """Charge [J] after each of n intervals, with the start in front, (n + 1,).
+def charge_along(changes: Any, start: Any, capacity: Any) -> jax.Array:
+    """Charge [J] after each of n intervals, with the start in front, (..., n + 1).
 
-    gained : (n,) [J], energy from the panels in each interval.
-    drawn : (n,) [J], energy to actuators and loads; given back where negative.
-    start : () [J], charge before the first interval; the battery's own by default.
+    changes : (..., n) [J], what the battery keeps or loses in each interval; see `Battery.net`.
+    start : (...) [J], charge before the first.  capacity : (...) [J]; inf where it is not known.
     A full battery takes no more.  An empty one goes below zero, which tells how much is missing.
     """
-    changes = jnp.asarray(battery.net(gained, drawn))
-    first = jnp.asarray(battery.charge if start is None else start, changes.dtype)
-
-    def step(charge: jax.Array, change: jax.Array) -> tuple[jax.Array, jax.Array]:
-        charge = jnp.minimum(charge + change, battery.capacity)
-        return charge, charge
-
-    _, later = jax.lax.scan(step, first, changes)
-    return jnp.concatenate([first[None], later])
+    first = jnp.asarray(start, float)[..., None]
+    steps = jnp.asarray(changes, float)
+    first = jnp.broadcast_to(first, (*steps.shape[:-1], 1))
+    free = jnp.concatenate([first, first + jnp.cumsum(steps, axis=-1)], axis=-1)
+    over = jax.lax.cummax(free - jnp.asarray(capacity, float)[..., None], axis=free.ndim - 1)
+    return free - jnp.maximum(over, 0.0)
 
 
 def battery(

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft.battery import charge_along
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +62,7 @@ class EnergyAccount:
 
         A full battery takes no more; below zero the charge tells how much is missing.
         """
-        change = np.cumsum(self.net, axis=1)
-        free = self.start_charge[:, None] + np.pad(change, ((0, 0), (1, 0)))
-        overflow = np.maximum.accumulate(free - self.capacity, axis=1)
-        return free - np.maximum(overflow, 0.0)
+        return np.asarray(charge_along(self.net, self.start_charge, self.capacity))
 
     @property
     def least_charge(self) -> Floats:

@@ -21,6 +21,7 @@ from jaxatt.problems.net_power.manoeuvre import (
     Motion,
     Satellite,
 )
+from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
 from jaxatt.problems.reading.vehicles import load_vehicle
 
 WHEEL_SPEED = np.array([209.4, 209.4, 209.4, -362.8])
@@ -87,3 +88,10 @@ def chapter_5(task: int, start: Motion, satellite: Satellite | None = None) -> M
         round(length / 2.0),
         load=13.5,
     )
+
+
+def eclipse_entry(satellite: Satellite) -> float:
+    """Time [s] at which the light first falls below one half after its start."""
+    times = np.arange(0.0, 6000.0, 2.0)
+    light = sunlight_at(satellite, times)[1]
+    return float(times[np.flatnonzero((light[1:] < 0.5) & (light[:-1] >= 0.5))[0]])

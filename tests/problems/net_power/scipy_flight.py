@@ -32,6 +32,7 @@ class Body:
     reference: np.ndarray
     dipole_limit: float
     coil_power: Callable[[np.ndarray], float]
+    regeneration: float = 0.0
 
 
 def rotation(q: np.ndarray) -> np.ndarray:
@@ -61,6 +62,12 @@ def fly(body, state, step, torque, dipole, field, down, gradient, sun, light, ed
     spin = body.axes @ (body.wheel_inertia * body.axes.T)
     inverse = np.linalg.inv(body.inertia - spin)
 
+    def drive(power):
+        """Shares of braking power: what comes back, once more through the drive, and the rest."""
+        back = body.regeneration * body.efficiency**2
+        braking = (1.0 - body.regeneration) - back
+        return np.where(power > 0.0, power, -braking * power).sum()
+
     def rates(t, x, tau, held):
         q, w, speed = x[:4], x[4:7], x[7 : 7 + n]
         r = rotation(q)
@@ -81,7 +88,7 @@ def fly(body, state, step, torque, dipole, field, down, gradient, sun, light, ed
         spent = {
             "signed": lambda: tau @ speed,
             "body": lambda: abs((body.axes @ tau) @ (body.axes @ speed)),
-            "wheels": lambda: np.abs(tau * speed).sum(),
+            "wheels": lambda: drive(tau * speed),
         }[body.power]() / body.efficiency
         earned = light(t) * solar(body, r.T @ sun(t))
         dspeed = tau / body.wheel_inertia - body.axes.T @ dw

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 import scipy_flight
-from printed_cases import FIRST, WHEEL_SPEED, chapter_4, hypso2
+from printed_cases import FIRST, WHEEL_SPEED, chapter_4, eclipse_entry, hypso2
 from scipy.interpolate import CubicSpline
 
 from jaxatt.environment.along_orbit import evaluate
@@ -79,6 +79,7 @@ def beside_scipy(manoeuvre, torque, dipole=None):
         WHEEL_SPEED,
         0.34,
         coil_power,
+        float(wheels.regeneration) if wheels.count else 0.0,
     )
     state = np.r_[manoeuvre.start.q_ib, manoeuvre.start.omega_ib, manoeuvre.start.omega_bw]
     held = np.zeros((manoeuvre.intervals, 3)) if dipole is None else dipole
@@ -86,13 +87,6 @@ def beside_scipy(manoeuvre, torque, dipole=None):
         body, state, manoeuvre.step, torque, held, field, down, gradient, sun, seen, edges, start
     )
     return fly(manoeuvre, torque[None], None if dipole is None else dipole[None]), rows
-
-
-def eclipse_entry(satellite):
-    """Time [s] at which the light first falls below one half after its start."""
-    times = np.arange(0.0, 6000.0, 2.0)
-    light = sunlight_at(satellite, times)[1]
-    return float(times[np.flatnonzero((light[1:] < 0.5) & (light[:-1] >= 0.5))[0]])
 
 
 @pytest.mark.parametrize("penumbra", [0.2, None])
@@ -113,11 +107,13 @@ def test_energies_of_a_flight_into_the_shadow_agree_with_scipy(penumbra):
     assert np.abs(ours.omega_bw[0, 1:] - rows[:, 7:11]).max() < 1e-6
 
 
-def test_solar_energy_of_a_tumbling_satellite_agrees_with_scipy():
+@pytest.mark.parametrize("regeneration", [0.0, 0.6])
+def test_solar_energy_of_a_tumbling_satellite_agrees_with_scipy(regeneration):
     """Fast enough that faces come into the light and leave it many times; every wheel by itself."""
     satellite = dataclasses.replace(hypso2(), wheel_power="wheels")
     panels = dataclasses.replace(satellite.craft.panels, incidence_exponent=1)
-    craft = dataclasses.replace(satellite.craft, panels=panels)
+    wheels = dataclasses.replace(satellite.craft.wheels, regeneration=regeneration)
+    craft = dataclasses.replace(satellite.craft, panels=panels, wheels=wheels)
     satellite = dataclasses.replace(satellite, craft=craft)
     start = Motion(np.array([0.5, 0.5, 0.5, 0.5]), np.array([0.1, -0.2, 0.15]), 0.01 * WHEEL_SPEED)
     torque = np.random.default_rng(5).uniform(-3e-3, 3e-3, (10, 4))

@@ -11,9 +11,10 @@ from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.satellite_surroundings import sunlight_at
-from jaxatt.problems.net_power.wheels.directions import best_directions
+from jaxatt.problems.net_power.sun_directions import best_directions
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft.battery import charge_along
 from jaxatt.spacecraft.panels import SolarPanels, collecting_area
 
 _STEP = 1.0  # [s], of the account
@@ -58,13 +59,9 @@ def best_charge(task: Task, satellite: Satellite, charge: float) -> tuple[Floats
     times = np.linspace(task.start, task.end, max(2, round(task.duration / _STEP) + 1))
     sun, share = sunlight_at(satellite, times)
     area = _area(task, craft.panels, times, sun)
-    gained = float(light.irradiance) * share * area * float(craft.battery.input_efficiency)
-    power = gained - task.load / float(craft.battery.output_efficiency)
-    step = times[1] - times[0]
-    change = np.concatenate([[0.0], np.cumsum(0.5 * step * (power[1:] + power[:-1]))])
-    free = charge + change
-    overflow = np.maximum.accumulate(free - float(craft.battery.capacity))
-    return times, free - np.maximum(overflow, 0.0)
+    power = np.asarray(craft.battery.net(float(light.irradiance) * share * area, task.load))
+    changes = 0.5 * (times[1] - times[0]) * (power[1:] + power[:-1])
+    return times, np.asarray(charge_along(changes, charge, craft.battery.capacity))
 
 
 def _area(task: Task, panels: SolarPanels, times: Floats, sun: Floats) -> Floats:

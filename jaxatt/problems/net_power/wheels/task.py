@@ -12,7 +12,7 @@ import numpy as np
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Satellite
-from jaxatt.problems.net_power.wheels.directions import Directions, best_directions
+from jaxatt.problems.net_power.sun_directions import Directions, best_directions
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.parameters import Management, WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.sampling import environment, sun_along
