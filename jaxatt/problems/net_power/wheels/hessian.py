@@ -19,7 +19,16 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.problems.net_power.wheels import coordinates as at
-from jaxatt.problems.net_power.wheels.algebra import dot, inverse, outer, times_rows
+from jaxatt.problems.net_power.wheels.algebra import (
+    Matrix3,
+    combined,
+    composed,
+    dot,
+    inverse,
+    outer,
+    skew,
+    times_rows,
+)
 from jaxatt.problems.net_power.wheels.kept import Kept
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.rows import Rows
@@ -54,16 +63,22 @@ def lagrangian_hessian(
     by_turn = times_rows(kept.back.T, cross(turning, half))
     curved = {pair: paid * kept.sunlit[k] for k, pair in enumerate(PAIRS)}
     pressed = added(force, cross(turn, half))
-    first_rate = _three(kept.rates)
-    change = added(_three(kept.rates[3:]), times(-1.0, first_rate))
+    rates = _three(kept.rates), _three(kept.rates[3:])
     products = jnp.zeros((rows.width, rows.width))
     if form.momentum != "zero":
-        of = _momentum(rows, x, h, p, pressed, first_rate, change)
-        by_turn = added(by_turn, cross(of.seen, of.total))
+        of = _momentum(rows, x, h, p, pressed)
+        # seen x M in one matrix: the fewer products of whole rows, the faster it compiles.
+        to_turn = skew(times(-1.0, of.total))
+        by_turn = added(
+            by_turn,
+            *(times_rows(composed(to_turn, m), w) for m, w in zip(of.seen, rates, strict=True)),
+        )
         if form.torqued:
             carried = rows.carried(at.quaternion(x), p)
             by_turn = added(by_turn, cross(of.early, carried))
-            products = outer(carried, of.seen)
+            products = outer(
+                carried, added(*(times_rows(m, w) for m, w in zip(of.seen, rates, strict=True)))
+            )
         # M' = M x omega by the rate alone, with the turn over h for the rate.
         level, stiff = dot(of.far, of.total), 0.5 * inverse(h)
         for i in range(3):
@@ -75,8 +90,12 @@ def lagrangian_hessian(
         for i, j in PAIRS:
             value = 0.5 * (of.early[i] * of.total[j] + of.total[i] * of.early[j])
             curved[i, j] = curved[i, j] + (value - level if i == j else value)
-    wound = times(h / 12.0, cross(change, pressed))
-    by_bend = [added(times(0.5, times_rows(_stacked(bend), turning)), wound)[i] for i in range(3)]
+    wound = skew(times(h / 12.0, pressed))
+    by_bend = added(
+        times_rows(combined((0.5, bend)), turning),
+        times_rows(wound, rates[0]),
+        times_rows(combined((-1.0, wound)), rates[1]),
+    )
     products = products + outer(turning, by_bend)
     facing = [[0.5 * curved[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
     at_turn = [by_turn[i] + rows.row(turn=jnp.stack(facing[i])) for i in range(3)]
@@ -91,13 +110,14 @@ class _Momentum(NamedTuple):
     """What the total momentum adds.
 
     total : in body axes.  early : adjoint of it at the beginning, far : in the middle, times the
-    part of the interval that counts from there.  seen : three rows, that weigh those of its change.
+    part of the interval that counts from there.  seen : two matrices, that make of the rows of the
+    rate at both ends what weighs the rows of a change of the momentum.
     """
 
     total: Components
     early: Components
     far: Components
-    seen: Components
+    seen: tuple[Matrix3, Matrix3]
 
 
 def _momentum(
@@ -106,13 +126,10 @@ def _momentum(
     h: Array,
     p: WheelsParameters,
     pressed: Components,
-    first_rate: Components,
-    change: Components,
 ) -> _Momentum:
     """Adjoint of the momentum to second order in h, and its integral by Simpson's rule.
 
-    pressed : adjoint of the rotation vector.  first_rate, change : rows of the rate at the
-    beginning and of its change.
+    pressed : adjoint of the rotation vector.
     """
     total = to_body(at.quaternion(x), at.total_momentum(x, p, rows.form))
     omega = at.rate_of(x, total, p, rows.form)
@@ -123,9 +140,9 @@ def _momentum(
     # Of the rotation vector's h^2 omega x (the change of omega) / 12.
     twist = times(h * h / 12.0, matvec(p.inverse, cross(pressed, omega)))
     far = times(h, added(times(2.0 / 3.0, middle), twist))
-    late = cross(added(first_rate, times(0.5, change)), far)
-    # The change of the momentum has turned with the body by the middle.
-    seen = added(times(h / 6.0, cross(first_rate, early)), late, times(0.5 * h, cross(omega, late)))
+    # By the middle the change of the momentum has turned with the body.
+    late = combined((-1.0, skew(far)), (-0.5 * h, composed(skew(omega), skew(far))))
+    seen = combined((-h / 6.0, skew(early)), (0.5, late)), combined((0.5, late))
     return _Momentum(total, early, far, seen)
 
 
@@ -149,7 +166,3 @@ def _of_controls(rows: Rows, h: Array, p: WheelsParameters, paid: Array, kept: K
 
 def _three(rows: Array) -> Components:
     return rows[0], rows[1], rows[2]
-
-
-def _stacked(matrix: list[list[Array]]) -> Array:
-    return jnp.stack([jnp.stack(row) for row in matrix])
