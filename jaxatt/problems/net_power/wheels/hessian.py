@@ -8,7 +8,8 @@ the turn by the integral of m . (dM x d omega), m the adjoint of M, and by m . (
 what a turned body sees of the momentum) at the beginning.
 
 Exact where the next state is the one that the dynamics give, but for terms of h^4 and for what
-external torques add to second order, which is small; a gap adds an error of its own size.
+external torques, and the dipole of a law, add to second order, which is small; a gap adds an error
+of its own size.
 """
 
 from __future__ import annotations
@@ -63,22 +64,15 @@ def lagrangian_hessian(
     by_turn = times_rows(kept.back.T, cross(turning, half))
     curved = {pair: paid * kept.sunlit[k] for k, pair in enumerate(PAIRS)}
     pressed = added(force, cross(turn, half))
-    rates = _three(kept.rates), _three(kept.rates[3:])
     products = jnp.zeros((rows.width, rows.width))
     if form.momentum != "zero":
         of = _momentum(rows, x, h, p, pressed)
-        # seen x M in one matrix: the fewer products of whole rows, the faster it compiles.
-        to_turn = skew(times(-1.0, of.total))
-        by_turn = added(
-            by_turn,
-            *(times_rows(composed(to_turn, m), w) for m, w in zip(of.seen, rates, strict=True)),
-        )
+        seen = of.seen @ kept.rates
+        by_turn = added(by_turn, cross(_three(seen), of.total))
         if form.torqued:
             carried = rows.carried(at.quaternion(x), p)
             by_turn = added(by_turn, cross(of.early, carried))
-            products = outer(
-                carried, added(*(times_rows(m, w) for m, w in zip(of.seen, rates, strict=True)))
-            )
+            products = jnp.stack(carried).T @ seen
         # M' = M x omega by the rate alone, with the turn over h for the rate.
         level, stiff = dot(of.far, of.total), 0.5 * inverse(h)
         for i in range(3):
@@ -90,13 +84,11 @@ def lagrangian_hessian(
         for i, j in PAIRS:
             value = 0.5 * (of.early[i] * of.total[j] + of.total[i] * of.early[j])
             curved[i, j] = curved[i, j] + (value - level if i == j else value)
-    wound = skew(times(h / 12.0, pressed))
-    by_bend = added(
-        times_rows(combined((0.5, bend)), turning),
-        times_rows(wound, rates[0]),
-        times_rows(combined((-1.0, wound)), rates[1]),
-    )
-    products = products + outer(turning, by_bend)
+    wound = _stacked(skew(times(h / 12.0, pressed)))
+    turned = jnp.concatenate([0.5 * _stacked(bend), wound, -wound], axis=1)
+    # Products of matrices: what they take in is there once, and not computed again by XLA.
+    by_bend = turned @ jnp.concatenate([kept.turning, kept.rates])
+    products = products + kept.turning.T @ by_bend
     facing = [[0.5 * curved[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
     at_turn = [by_turn[i] + rows.row(turn=jnp.stack(facing[i])) for i in range(3)]
     products = products + jnp.concatenate(
@@ -110,14 +102,14 @@ class _Momentum(NamedTuple):
     """What the total momentum adds.
 
     total : in body axes.  early : adjoint of it at the beginning, far : in the middle, times the
-    part of the interval that counts from there.  seen : two matrices, that make of the rows of the
-    rate at both ends what weighs the rows of a change of the momentum.
+    part of the interval that counts from there.  seen : (3, 6), what makes of the rows of the rate
+    at both ends what weighs the rows of a change of the momentum.
     """
 
     total: Components
     early: Components
     far: Components
-    seen: tuple[Matrix3, Matrix3]
+    seen: Array
 
 
 def _momentum(
@@ -142,7 +134,8 @@ def _momentum(
     far = times(h, added(times(2.0 / 3.0, middle), twist))
     # By the middle the change of the momentum has turned with the body.
     late = combined((-1.0, skew(far)), (-0.5 * h, composed(skew(omega), skew(far))))
-    seen = combined((-h / 6.0, skew(early)), (0.5, late)), combined((0.5, late))
+    first = combined((-h / 6.0, skew(early)), (0.5, late))
+    seen = jnp.concatenate([_stacked(first), 0.5 * _stacked(late)], axis=1)
     return _Momentum(total, early, far, seen)
 
 
@@ -166,3 +159,7 @@ def _of_controls(rows: Rows, h: Array, p: WheelsParameters, paid: Array, kept: K
 
 def _three(rows: Array) -> Components:
     return rows[0], rows[1], rows[2]
+
+
+def _stacked(matrix: Matrix3) -> Array:
+    return jnp.stack([jnp.stack(row) for row in matrix])
