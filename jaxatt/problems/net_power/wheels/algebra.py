@@ -10,22 +10,20 @@ from jax import Array
 
 from jaxatt.simulation.momentum_model import Components
 
-Matrix = list[list[Array]]
-"""Matrix (3, 3) of components."""
+Matrix3 = list[list[Array]]
 
 
-def chart(s: Components) -> list[list[Array]]:
+def chart(s: Components) -> Matrix3:
     """Derivative (3, 3) of four times MRP s with respect to a small turn in body axes."""
     squared = s[0] * s[0] + s[1] * s[1] + s[2] * s[2]
-    none = jnp.zeros_like(squared)
-    skew = [[none, -s[2], s[1]], [s[2], none, -s[0]], [-s[1], s[0], none]]
+    across = skew(s)
     return [
-        [(1.0 - squared) * (i == j) + 2.0 * skew[i][j] + 2.0 * s[i] * s[j] for j in range(3)]
+        [(1.0 - squared) * (i == j) + 2.0 * across[i][j] + 2.0 * s[i] * s[j] for j in range(3)]
         for i in range(3)
     ]
 
 
-def back(q: Components) -> list[list[Array]]:
+def back(q: Components) -> Matrix3:
     """Rotation matrix R(q)'."""
     w, x, y, z = q
     return [
@@ -47,20 +45,9 @@ def outer(a: Array | Sequence[Array], b: Array | Sequence[Array]) -> Array:
     return total
 
 
-def crossing(a: Components) -> Matrix:
-    """Matrix (3, 3) of a x ."""
-    none = jnp.zeros_like(a[0])
-    return [[none, -a[2], a[1]], [a[2], none, -a[0]], [-a[1], a[0], none]]
-
-
-def product(a: Matrix, b: Matrix) -> Matrix:
-    """Product of two matrices (3, 3)."""
-    return [[dot(line, [b[k][j] for k in range(3)]) for j in range(3)] for line in a]
-
-
-def times_crossing(matrix: Array, a: Components) -> Matrix:
-    """Product of a matrix (3, 3) and that of a x ."""
-    return product([[matrix[i, j] for j in range(3)] for i in range(3)], crossing(a))
+def times_rows(matrix: Array | Matrix3, rows: Components) -> Components:
+    """Product of a matrix (3, 3) with three rows."""
+    return tuple(m[0] * rows[0] + m[1] * rows[1] + m[2] * rows[2] for m in matrix)
 
 
 def inverse(value: Array) -> Array:
@@ -79,3 +66,25 @@ def matrix_product(a: Array, b: Array) -> Array:
     for k in range(1, a.shape[1]):
         total = total + a[:, k : k + 1] * b[k : k + 1]
     return total
+
+
+def skew(v: Components) -> Matrix3:
+    """Matrix of v x, in scalars."""
+    none = jnp.zeros_like(v[0])
+    return [[none, -v[2], v[1]], [v[2], none, -v[0]], [-v[1], v[0], none]]
+
+
+def combined(*terms: tuple[Array | float, Matrix3]) -> Matrix3:
+    """Sum of factors times matrices in scalars."""
+    return [
+        [sum((factor * m[i][j] for factor, m in terms), jnp.zeros(())) for j in range(3)]
+        for i in range(3)
+    ]
+
+
+def composed(a: Matrix3, b: Matrix3) -> Matrix3:
+    """Product of two matrices in scalars."""
+    return [
+        [a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j] for j in range(3)]
+        for i in range(3)
+    ]

@@ -8,12 +8,12 @@ the turn by the integral of m . (dM x d omega), m the adjoint of M, and by m . (
 what a turned body sees of the momentum) at the beginning.
 
 Exact where the next state is the one that the dynamics give, but for terms of h^4 and for what
-external torques add to second order, which is small; a gap adds an error of its own size.
+external torques, and the dipole of a law, add to second order, which is small; a gap adds an error
+of its own size.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import jax.numpy as jnp
@@ -21,13 +21,14 @@ from jax import Array
 
 from jaxatt.problems.net_power.wheels import coordinates as at
 from jaxatt.problems.net_power.wheels.algebra import (
-    Matrix,
-    crossing,
+    Matrix3,
+    combined,
+    composed,
     dot,
     inverse,
     outer,
-    product,
-    times_crossing,
+    skew,
+    times_rows,
 )
 from jaxatt.problems.net_power.wheels.kept import Kept
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
@@ -52,34 +53,26 @@ def lagrangian_hessian(
     # What is paid: the charge's costate pays for the cost once more.
     paid = 1.0 - costate[form.error_size - 1] if form.charge else jnp.ones_like(h)
     force, turn = at.parts(at.product(kept.chart.T, costate[:3])), at.parts(kept.turn)
-    half = times(0.5, force)
-    pressed = added(force, cross(turn, half))
+    turning = _three(kept.turning)
     # Of the exponential: (e x (r x e)) / 12.
     along = dot(force, turn) / 6.0
     bend = [
         [along * (i == j) - (force[i] * turn[j] + turn[i] * force[j]) / 12.0 for j in range(3)]
         for i in range(3)
     ]
+    half = times(0.5, force)
+    by_turn = times_rows(kept.back.T, cross(turning, half))
     curved = {pair: paid * kept.sunlit[k] for k, pair in enumerate(PAIRS)}
-    change = kept.rates[3:] - kept.rates[:3]
-    back = kept.back.T
-    # Blocks (3, 3) between the rows on the left, by name, and those on the right.
-    blocks = {
-        ("turning", "change"): crossing(times(-h / 12.0, pressed)),
-        ("turn", "turning"): times_crossing(back, times(-1.0, half)),
-    }
-    right = {"turning": kept.turning, "change": change}
+    pressed = added(force, cross(turn, half))
+    products = jnp.zeros((rows.width, rows.width))
     if form.momentum != "zero":
         of = _momentum(rows, x, h, p, pressed)
-        right["first"] = kept.rates[:3]
-        body = crossing(times(-1.0, of.total))
-        for name, seen in (("first", of.by_first), ("change", of.by_change)):
-            blocks["turn", name] = product(body, seen)
-            if form.torqued:
-                blocks["carried", name] = seen
+        seen = of.seen @ kept.rates
+        by_turn = added(by_turn, cross(_three(seen), of.total))
         if form.torqued:
-            right["carried"] = jnp.stack(rows.carried(at.quaternion(x), p))
-            blocks["turn", "carried"] = crossing(of.early)
+            carried = rows.carried(at.quaternion(x), p)
+            by_turn = added(by_turn, cross(of.early, carried))
+            products = jnp.stack(carried).T @ seen
         # M' = M x omega by the rate alone, with the turn over h for the rate.
         level, stiff = dot(of.far, of.total), 0.5 * inverse(h)
         for i in range(3):
@@ -91,54 +84,40 @@ def lagrangian_hessian(
         for i, j in PAIRS:
             value = 0.5 * (of.early[i] * of.total[j] + of.total[i] * of.early[j])
             curved[i, j] = curved[i, j] + (value - level if i == j else value)
-    blocks["turning", "turning"] = [[0.5 * entry for entry in line] for line in bend]
+    wound = _stacked(skew(times(h / 12.0, pressed)))
+    turned = jnp.concatenate([0.5 * _stacked(bend), wound, -wound], axis=1)
+    # Products of matrices: what they take in is there once, and not computed again by XLA.
+    by_bend = turned @ jnp.concatenate([kept.turning, kept.rates])
+    products = products + kept.turning.T @ by_bend
     facing = [[0.5 * curved[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    products = _between(blocks, right, rows.width)
-    products = products.at[:3, :3].add(_stacked(facing)) + _of_controls(rows, h, p, paid, kept)
-    return products + products.T
-
-
-def _between(
-    blocks: Mapping[tuple[str, str], Matrix], right: Mapping[str, Array], width: int
-) -> Array:
-    """Sum of the products of rows on the left, blocks and rows on the right, (z, z).
-
-    Matrix products, small as they are: sums in their place would be fused with all that leads to
-    the blocks, and that computed again for every entry.
-    """
-    nothing = jnp.zeros((3, 3))
-    left = [name for name in ("turning", "carried", "turn") if any(name == a for a, _ in blocks)]
-    whole = jnp.concatenate(
-        [
-            jnp.concatenate(
-                [_stacked(blocks[a, b]) if (a, b) in blocks else nothing for b in right], axis=1
-            )
-            for a in left
-        ]
+    at_turn = [by_turn[i] + rows.row(turn=jnp.stack(facing[i])) for i in range(3)]
+    products = products + jnp.concatenate(
+        [jnp.stack(at_turn), jnp.zeros((rows.width - 3, rows.width))]
     )
-    pulled = whole @ jnp.concatenate(list(right.values()))
-    flat = jnp.zeros((width - 3, width))
-    known = jnp.concatenate([right[name] for name in left[:-1]])
-    return known.T @ pulled[:-3] + jnp.concatenate([pulled[-3:], flat])
+    products = products + _of_controls(rows, h, p, paid, kept)
+    return products + products.T
 
 
 class _Momentum(NamedTuple):
     """What the total momentum adds.
 
     total : in body axes.  early : adjoint of it at the beginning, far : in the middle, times the
-    part of the interval that counts from there.  by_first, by_change : matrices (3, 3) that weigh
-    the rate at the beginning and its change where the momentum is changed.
+    part of the interval that counts from there.  seen : (3, 6), what makes of the rows of the rate
+    at both ends what weighs the rows of a change of the momentum.
     """
 
     total: Components
     early: Components
     far: Components
-    by_first: Matrix
-    by_change: Matrix
+    seen: Array
 
 
 def _momentum(
-    rows: Rows, x: Array, h: Array, p: WheelsParameters, pressed: Components
+    rows: Rows,
+    x: Array,
+    h: Array,
+    p: WheelsParameters,
+    pressed: Components,
 ) -> _Momentum:
     """Adjoint of the momentum to second order in h, and its integral by Simpson's rule.
 
@@ -153,14 +132,11 @@ def _momentum(
     # Of the rotation vector's h^2 omega x (the change of omega) / 12.
     twist = times(h * h / 12.0, matvec(p.inverse, cross(pressed, omega)))
     far = times(h, added(times(2.0 / 3.0, middle), twist))
-    # By the middle the change of the momentum has turned with the body: (1 + h omega x / 2) . far.
-    away = crossing(times(-1.0, far))
-    carried = product(crossing(times(0.5 * h, omega)), away)
-    late = [[away[i][j] + carried[i][j] for j in range(3)] for i in range(3)]
-    soon = crossing(times(-h / 6.0, early))
-    by_first = [[late[i][j] + soon[i][j] for j in range(3)] for i in range(3)]
-    by_change = [[0.5 * entry for entry in line] for line in late]
-    return _Momentum(total, early, far, by_first, by_change)
+    # By the middle the change of the momentum has turned with the body.
+    late = combined((-1.0, skew(far)), (-0.5 * h, composed(skew(omega), skew(far))))
+    first = combined((-h / 6.0, skew(early)), (0.5, late))
+    seen = jnp.concatenate([_stacked(first), 0.5 * _stacked(late)], axis=1)
+    return _Momentum(total, early, far, seen)
 
 
 def _of_controls(rows: Rows, h: Array, p: WheelsParameters, paid: Array, kept: Kept) -> Array:
@@ -181,5 +157,9 @@ def _of_controls(rows: Rows, h: Array, p: WheelsParameters, paid: Array, kept: K
     return total
 
 
-def _stacked(matrix: Matrix) -> Array:
-    return jnp.stack([jnp.stack(line) for line in matrix])
+def _three(rows: Array) -> Components:
+    return rows[0], rows[1], rows[2]
+
+
+def _stacked(matrix: Matrix3) -> Array:
+    return jnp.stack([jnp.stack(row) for row in matrix])
