@@ -16,7 +16,7 @@ from jaxatt.problems.net_power.answers import flown_again
 from jaxatt.problems.net_power.found import Flown
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.host import exponential, product
-from jaxatt.problems.net_power.wheels.search import solve_wheels_from
+from jaxatt.problems.net_power.wheels.search import solve_in_fine_steps, solve_wheels
 from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts, follow
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Floats
@@ -47,11 +47,11 @@ def search_neighbours(
     manoeuvres: Sequence[Manoeuvre], count: int, seed: int, report: Report | None
 ) -> list[Point]:
     """Solve manoeuvres of one form, ordered by what they differ in, from `count` starts each."""
-    tasks = [wheels_task(manoeuvre) for manoeuvre in manoeuvres]
-    drawn = [draw_starts(task, count, seed) for task in tasks]
+    coarse = [wheels_task(manoeuvre) for manoeuvre in manoeuvres]
+    drawn = [draw_starts(task, count, seed) for task in coarse]
     # The same for few starts as for many, so that both share a compiled program.
-    rows = rows_of_stages(count * len(tasks), manoeuvres[0].intervals)
-    solved = solve_wheels_from(tasks, drawn, report, rows)
+    rows = rows_of_stages(count * len(coarse), manoeuvres[0].intervals)
+    tasks, solved = solve_in_fine_steps(coarse, drawn, report, rows)
     points = []
     for manoeuvre, answers in zip(manoeuvres, solved, strict=True):
         flown = flown_again(manoeuvre, answers)
@@ -86,7 +86,7 @@ def _passed_on(
     chosen = [tasks[k] for k in asked]
     parts = [_starts(tasks[k], [points[n].best for n in sources[k]]) for k in asked]
     gained = []
-    for k, solved in zip(asked, solve_wheels_from(chosen, parts, report, rows), strict=True):
+    for k, solved in zip(asked, solve_wheels(chosen, parts, report, rows), strict=True):
         found = flown_again(tasks[k].manoeuvre, solved)
         if _better(found, points[k].best):
             points[k] = replace(points[k], best=found)

@@ -46,18 +46,20 @@ def search_wheels(
     """
     size = shared_length(manoeuvres[0].intervals) if shared else None
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
-    return solve_wheels_from(tasks, [draw_starts(task, count, seed) for task in tasks], report)
+    parts = [draw_starts(task, count, seed) for task in tasks]
+    return solve_in_fine_steps(tasks, parts, report)[1]
 
 
-def solve_wheels_from(
+def solve_in_fine_steps(
     tasks: Sequence[WheelsTask],
     parts: Sequence[Starts],
     report: Report | None = None,
     rows: int | None = None,
-) -> tuple[Solved, ...]:
-    """Solve tasks of one form from given starts, in one batch; see `search_wheels`.
+) -> tuple[Sequence[WheelsTask], tuple[Solved, ...]]:
+    """Solve tasks of one form from given starts, with as many steps an interval as they ask for.
 
     parts : starts of each task.  rows : starts in one compiled call.
+    Returns the tasks with those steps, and the answers; see `search_wheels`.
     """
     manoeuvres, starts = [task.manoeuvre for task in tasks], _together(parts)
     size = starts.u.shape[1]
@@ -73,15 +75,18 @@ def solve_wheels_from(
         starts = continued(starts, solution)
         solution = solve_starts(tasks, starts, report=report, rows=rows)
         found = _solved(tasks, starts, solution)
-    return found
+    return tasks, found
 
 
 def solve_wheels(
-    manoeuvre: Manoeuvre, starts: Starts, substeps: int | None = None, size: int | None = None
-) -> Solved:
-    """Solve one manoeuvre from given starts, e.g. from a neighbour's answer."""
-    task = wheels_task(manoeuvre, substeps, size)
-    return _solved([task], starts, solve_starts([task], starts))[0]
+    tasks: Sequence[WheelsTask],
+    parts: Sequence[Starts],
+    report: Report | None = None,
+    rows: int | None = None,
+) -> tuple[Solved, ...]:
+    """Solve tasks with the steps that they have from given starts, e.g. neighbours' answers."""
+    starts = _together(parts)
+    return _solved(tasks, starts, solve_starts(tasks, starts, report=report, rows=rows))
 
 
 def continued(starts: Starts, solution: InteriorSolution) -> Starts:
