@@ -12,10 +12,8 @@ from jaxatt.problems.front import Front, FrontRequest, Quantity, Reference
 from jaxatt.problems.net_power.baseline import fly_baseline
 from jaxatt.problems.net_power.build import manoeuvre_of, options_of
 from jaxatt.problems.net_power.front.neighbours import search_neighbours
-from jaxatt.problems.net_power.front.points import ENERGY, gains_of, phases_of
+from jaxatt.problems.net_power.front.points import ENERGY, best_power, gains_of, phases_of
 from jaxatt.problems.net_power.judge import judge_flight
-from jaxatt.problems.net_power.manoeuvre import Manoeuvre
-from jaxatt.problems.net_power.wheels.directions import best_directions
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.chunks import Report
@@ -47,7 +45,8 @@ def error_front(scenario: Scenario, asked: FrontRequest, report: Report | None) 
     anywhere = manoeuvre_of(replace(scenario, targets=(target,)), PhaseStart())
     weights = asked.values
     if weights is None:
-        weights = _most_sun(anywhere) * np.geomspace(_LEAST, _MOST, asked.points)
+        most = best_power(anywhere.satellite) * anywhere.duration
+        weights = most * np.geomspace(_LEAST, _MOST, asked.points)
     manoeuvres = [
         replace(anywhere, terminal="rate", attitude_weight=float(weight)) for weight in weights
     ]
@@ -70,12 +69,3 @@ def error_front(scenario: Scenario, asked: FrontRequest, report: Report | None) 
         np.array([point.passed_on for point in found]),
         reference,
     )
-
-
-def _most_sun(manoeuvre: Manoeuvre) -> float:
-    """Energy [J] of the best attitude, held in full sunlight all the time."""
-    panels = manoeuvre.satellite.craft.panels
-    if panels is None:
-        raise ScenarioError("[vehicle.panels]: the vehicle has none, and earns nothing; add some")
-    power = float(manoeuvre.satellite.light.irradiance) * best_directions(panels).most
-    return power * manoeuvre.duration

@@ -7,7 +7,7 @@ import numpy as np
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.front import Front, FrontRequest, Quantity
 from jaxatt.problems.net_power.build import free_manoeuvre_of, options_of
-from jaxatt.problems.net_power.front.points import ENERGY, gains_of
+from jaxatt.problems.net_power.front.points import ENERGY, best_power, gains_of
 from jaxatt.problems.net_power.front.time import DURATION
 from jaxatt.problems.net_power.magnetic.judge import fly_found
 from jaxatt.problems.net_power.magnetic.search import search_front
@@ -16,10 +16,8 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.chunks import Report
 
 _POWER = Quantity("mean net power", "mean_power_W", "W")
-_LEAST, _MOST = 1e-2, 10.0
-"""Weights where nobody says which, as shares of the scenario's own."""
-_USUAL = 0.1
-"""[1/s] Weight of a second as a share of a watt or joule, where the scenario has none."""
+_LEAST, _MOST = 1e-2, 1e2
+"""Weights where nobody says which, as shares of the best power, or of that by the longest time."""
 
 
 def free_time_front(scenario: Scenario, asked: FrontRequest, report: Report | None) -> Front:
@@ -31,16 +29,17 @@ def free_time_front(scenario: Scenario, asked: FrontRequest, report: Report | No
     manoeuvre, solver = free_manoeuvre_of(scenario, PhaseStart()), scenario.solver
     weights = asked.values
     if weights is None:
-        own = manoeuvre.time_weight or _USUAL
-        weights = own * np.geomspace(_LEAST, _MOST, asked.points)
+        unit = best_power(manoeuvre.satellite) / (manoeuvre.longest if by_power else 1.0)
+        weights = unit * np.geomspace(_LEAST, _MOST, asked.points)
     found = search_front(manoeuvre, weights, solver.starts, solver.seed, report)
     phases = tuple(
         phase_of(fly_found(found, k), scenario.family, None, free_time=True)[0]
         for k in range(len(weights))
     )
     times = np.array([phase.final_time for phase in phases])
-    unit = "W/s" if by_power else "J/s"
-    varied = Quantity("weight of time", "time_weight_W_s", unit, logarithmic=True)
+    varied = Quantity(
+        "weight of time", "time_weight_W_s", "W/s" if by_power else "J/s", logarithmic=True
+    )
     energy = gains_of(phases)
     return Front(
         varied,
