@@ -37,7 +37,8 @@ def front_figure(front: Front, price: Floats, title: str) -> Picture:
     for axes in (left, right):
         _finish(axes, front)
     right.set_xlim(left.get_xlim())
-    right.set_ylim(bottom=min(0.0, right.get_ylim()[0]))
+    # From zero: a price that hardly changes is to look so.
+    right.set_ylim(0.0, 1.1 * price[order][known].max(initial=0.0) or 1.0)
     return figure
 
 
