@@ -19,6 +19,8 @@ from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.studies.compare import compare
 from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
+from jaxatt.studies.pareto import pareto
+from jaxatt.studies.pareto_front import ParetoFront
 from jaxatt.studies.relative_sparsity import relative_sparsity
 
 Leg = Phase  # its earlier name
@@ -31,6 +33,7 @@ __all__ = [
     "Leg",
     "Minimum",
     "OptimalControlProgram",
+    "ParetoFront",
     "Phase",
     "ProgramSolution",
     "Result",
@@ -42,6 +45,7 @@ __all__ = [
     "configure",
     "minimize",
     "open_archive",
+    "pareto",
     "relative_sparsity",
     "scenarios",
     "simulate",

@@ -6,14 +6,17 @@ import subprocess
 import sys
 
 import handmade_results
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from jaxatt import scenarios
 from jaxatt.cli import app
+from jaxatt.problems.front import Front, Quantity
 from jaxatt.report.archive import open_archive
 from jaxatt.report.result import Result
 from jaxatt.scenarios.bundled import KINDS
+from jaxatt.studies.pareto_front import ParetoFront
 
 
 def run(*arguments):
@@ -72,6 +75,10 @@ def test_a_shown_scenario_is_changed_and_solved(here):
         (("solve", "hypso1-90-0-0", "--objective", "l3"), ("--objective", "moving-l0")),
         (("compare", "doubl-integrator"), ("did you mean 'double-integrator'",)),
         (("scenarios", "show", "hypso"), ("no bundled scenario",)),
+        (("pareto", "hypso1-netpower", "--over", "money"), ("--over", "time")),
+        (("pareto", "hypso1-netpower", "--points", 1), ("points = 1", "at least two")),
+        (("pareto", "hypso1-netpower", "--values", "5,-1"), ("must be positive",)),
+        (("pareto", "double-integrator"), ("gains no energy", '"net-power"')),
         (("solve", "broken.toml"), ("broken.toml", "did you mean 'horizon_s'?")),
         (("solve", "hypso1-90-0-0", "--out", "taken/below"), ("nothing can be written there",)),
     ],
@@ -110,6 +117,23 @@ def test_quiet_says_one_line(here, monkeypatch):
     assert found.output.splitlines() == [
         "Result(double-integrator: reached, 10 active intervals: 0-9); results/double-integrator"
     ]
+
+
+def test_a_front_is_printed_and_written(here, monkeypatch):
+    (phase,) = handmade_results.handmade("double-integrator").phases
+    time, energy = Quantity("final time", "final_time_s", "s"), Quantity("net energy", "net_J", "J")
+    times, gains, own = np.array([1.0, 2.0, 3.0]), np.array([4.0, 6.0, 5.0]), np.zeros(3, bool)
+    front = Front(time, times, time, times, energy, gains, (phase, phase, phase), own)
+    found = ParetoFront(scenarios.load("hypso1-netpower"), "time", front)
+    monkeypatch.setattr(sys.modules["jaxatt.cli.pareto"], "find", lambda *_, **__: found)
+    told = run("pareto", "hypso1-netpower", "--over", "time")
+    assert told.exit_code == 0, told.output
+    assert "2 of 3 points on the front" in told.output
+    assert "dominated" in told.output
+    assert "Written to results/hypso1-netpower: pareto.csv, pareto.json" in told.output
+    points = json.loads((here / "results/hypso1-netpower/pareto.json").read_text())["points"]
+    assert [point["on_front"] for point in points] == [True, True, False]
+    assert [point["price_J_per_s"] for point in points] == [None, 2.0, None]
 
 
 def test_nothing_that_reaches_ends_with_3_and_says_what_was_in_the_way(here, monkeypatch):

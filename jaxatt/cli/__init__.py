@@ -10,6 +10,7 @@ import typer
 
 from jaxatt.cli.certify import certify
 from jaxatt.cli.compare import compare
+from jaxatt.cli.pareto import pareto
 from jaxatt.cli.plan import plan
 from jaxatt.cli.scenarios import scenarios
 from jaxatt.cli.simulate import simulate
@@ -24,7 +25,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (solve, plan, compare, simulate, certify, sparsity, sweep):
+for command in (solve, plan, pareto, compare, simulate, certify, sparsity, sweep):
     app.command()(command)
 app.add_typer(scenarios, name="scenarios")
 

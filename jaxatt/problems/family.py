@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from jaxatt.problems.front import Front, FrontRequest
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
@@ -129,6 +130,16 @@ class Family(ABC):
         phases, found : what `judge` and `search` returned for each.
         """
         return None
+
+    def front(self, scenario: Scenario, asked: FrontRequest, report: Report | None) -> Front:
+        """Best answers for many values of what is weighed against the gain, solved together.
+
+        Raises `ScenarioError` where there is nothing to weigh.
+        """
+        raise ScenarioError(
+            f'{scenario.name}: objective.kind = "{scenario.objective.kind}" gains no energy that '
+            'could be weighed against time or error; choose a manoeuvre of kind "net-power"'
+        )
 
     def check_certifiable(self, scenario: Scenario) -> None:
         """Refuse scenarios whose minimum is not shown by trying supports, with `ScenarioError`."""

@@ -127,6 +127,14 @@ def _phase(phase: Phase) -> dict[str, Any]:
         "pointing": _pointing(phase),
         "obstacle": phase.failure_reason,
         "starts": starts_summary(phase.starts),
+        **named_errors(phase),
+    }
+    return _in_order({**sections_of_phase(phase).names(phase), **general})
+
+
+def named_errors(phase: Phase) -> dict[str, float]:
+    """Errors of a phase at its end under the names of a summary, in the units that these say."""
+    return {
         **{
             name: phase.errors[key] * factor
             for name, (key, factor) in _ERRORS.items()
@@ -134,7 +142,6 @@ def _phase(phase: Phase) -> dict[str, Any]:
         },
         **{f"{key}_error": phase.errors[key] for key in _own_errors(phase)},
     }
-    return _in_order({**sections_of_phase(phase).names(phase), **general})
 
 
 def _own_errors(phase: Phase) -> list[str]:

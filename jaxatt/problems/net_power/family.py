@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.family import Family, Improved, PhaseStart, SearchOptions
+from jaxatt.problems.front import Front, FrontRequest
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.answers import Answers, judged, searched
 from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.front.front import net_power_front
 from jaxatt.problems.net_power.improve import improved
 from jaxatt.problems.net_power.reading.objective import KIND
 from jaxatt.problems.net_power.reading.scenario import read_net_power
@@ -55,3 +57,7 @@ class NetPower(Family):
     ) -> Improved | None:
         """Improve a plan over its tasks' boundaries."""
         return improved(scenario, phases, found, report)
+
+    def front(self, scenario: Scenario, asked: FrontRequest, report: Report | None) -> Front:
+        """Energy against the length of a manoeuvre, or against the error at its end."""
+        return net_power_front(scenario, asked, report)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.manoeuvre import Motion
 from jaxatt.problems.net_power.plan.joint.assemble import Leg
 from jaxatt.problems.net_power.plan.joint.solve import JointAnswer, solve_jointly
-from jaxatt.problems.net_power.record import NetPower, energy_of, net_power
+from jaxatt.problems.net_power.record import energy_of, with_starts_of
 from jaxatt.problems.scenario import Scenario
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report
@@ -98,19 +97,6 @@ def _flown(
             )
         answers.append(Answers(solved))
         phase, end = judged(scenario, start, answers[-1])
-        phases.append(_with_starts_of(phase, old))
+        phases.append(with_starts_of(phase, old))
         start = start.following(phase, end)
     return phases, answers
-
-
-def _with_starts_of(phase: Phase, old: Phase) -> Phase:
-    """The phase with what is known of all starts of the search before."""
-    was, now = net_power(old), net_power(phase)
-    section: NetPower = replace(
-        now,
-        start_energy=was.start_energy,
-        start_score=was.start_score,
-        share=was.share,
-        minima=was.minima,
-    )
-    return replace(phase, starts=old.starts, section=section)

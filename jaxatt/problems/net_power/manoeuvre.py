@@ -75,9 +75,11 @@ class Manoeuvre:
     """One manoeuvre of fixed length [s] in equal intervals.
 
     start_time : [s] since the epoch of the orbit.  end : None where it may end anywhere.
-    terminal : "reach" or "penalty", with the weights of (3.5): attitude_weight [J] and rate_weight
-    [J s^2].  load : [W], of the other subsystems.  substeps : Runge-Kutta steps an interval; None
-    for as many as the motion asks for.
+    terminal : of attitude and rate at the end: "reach", both constraints; "penalty", the weights of
+    (3.5), attitude_weight [J] and rate_weight [J s^2]; "rate", a constraint on the rate alone and
+    the weight of the attitude.
+    load : [W], of the other subsystems.  substeps : Runge-Kutta steps an interval; None for as many
+    as the motion asks for.
     floor : [J], charge of the battery below which it must not fall; -inf without.
     charge : [J], of the battery at the start.
     """

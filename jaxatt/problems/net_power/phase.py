@@ -119,7 +119,7 @@ def phase_of(
     torque = flight.wheel_torque[best]
     decided = solved.torque if solved.dipole is None or torque.shape[1] else solved.dipole
     active = np.abs(decided) > _ACTIVE
-    penalised = manoeuvre.terminal == "penalty"
+    penalised = manoeuvre.terminal != "reach"
     end, reference = manoeuvre.end, {}
     if end is not None:
         reference = {"q_ib": end.q_ib, "omega_ib": end.omega_ib}

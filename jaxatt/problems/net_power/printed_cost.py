@@ -15,9 +15,12 @@ def printed_cost(manoeuvre: Manoeuvre, flight: PoweredFlight) -> Floats:
     Source: Kristiansen (2023), eq. (3.5).
     """
     end = manoeuvre.end
-    if end is None or manoeuvre.terminal != "penalty":
+    if end is None or manoeuvre.terminal == "reach":
         return np.zeros(len(flight.q_ib))
     alike = np.abs(flight.q_ib[:, -1] @ end.q_ib)
+    cost: Floats = manoeuvre.attitude_weight * (1.0 - alike)
+    if manoeuvre.terminal == "rate":
+        return cost
     squared = ((flight.omega_ib[:, -1] - end.omega_ib) ** 2).sum(axis=-1)
-    cost: Floats = manoeuvre.attitude_weight * (1.0 - alike) + manoeuvre.rate_weight * squared
+    cost = cost + manoeuvre.rate_weight * squared
     return cost

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -114,6 +114,19 @@ def net_power(phase: Phase) -> NetPower:
     """The section of a phase of this family."""
     assert isinstance(phase.section, NetPower)
     return phase.section
+
+
+def with_starts_of(phase: Phase, old: Phase) -> Phase:
+    """The phase with what an earlier search for it tells of all its starts."""
+    was = net_power(old)
+    section: NetPower = replace(
+        net_power(phase),
+        start_energy=was.start_energy,
+        start_score=was.start_score,
+        share=was.share,
+        minima=was.minima,
+    )
+    return replace(phase, starts=old.starts, section=section)
 
 
 def energy_of(phases: Sequence[Phase]) -> Energy:

@@ -26,9 +26,9 @@ from jaxatt.runtime.chunks import Report
 SETTINGS = InteriorSettings(
     tolerance=1e-6, barrier=1e-2, max_iterations=150, shifts=SMALL_SHIFTS, crossover_from=0.0
 )
-_TORQUED = replace(SETTINGS, max_iterations=120, own_costates=True, settling=15)
+_TORQUED = replace(SETTINGS, max_iterations=60, own_costates=True, settling=10)
 """Over an orbit with its shadow, much of a manoeuvre earns the same whatever it does; what is left
-to gain after so many passes is a few joules of tens of thousands."""
+to gain after so many passes is some ten joules of tens of thousands."""
 
 
 def settings_for(form: WheelsForm) -> InteriorSettings:

@@ -97,12 +97,24 @@ def _towards(body: Floats, inertial: Floats, roll: Floats) -> Floats:
 
 
 def turn_time(task: WheelsTask, begin: Floats, end: Floats) -> Floats:
-    """Time (S,) [s] of turns from rest to rest about one axis, within the torque limits."""
+    """Time (S,) [s] of smooth turns from rest to rest about one axis, within the torque limits."""
+    time: Floats = np.sqrt(_SMOOTH / _MARGIN * np.maximum(_squared_time(task, begin, end), 1e-9))
+    return time
+
+
+def quickest_turn(task: WheelsTask) -> float:
+    """Time [s] of the quickest turn about one axis from the start to the end, from rest to rest."""
+    begin, end = _ends(task)
+    # Full torque one way and then the other.
+    return float(2.0 * np.sqrt(_squared_time(task, begin, end[None])[0]))
+
+
+def _squared_time(task: WheelsTask, begin: Floats, end: Floats) -> Floats:
+    """Angle over the largest acceleration about the axis of each turn, (S,) [s^2]."""
     vector = logarithm(product(conjugate(begin), end))
     torque = np.abs(vector @ np.asarray(task.parameters.without_spin).T @ _spread(task).T)
-    share = (torque / (_MARGIN * np.asarray(task.parameters.torque_limit))).max(axis=1)
-    time: Floats = np.sqrt(_SMOOTH * np.maximum(share, 1e-9))
-    return time
+    share: Floats = (torque / np.asarray(task.parameters.torque_limit)).max(axis=1)
+    return share
 
 
 def _spread(task: WheelsTask) -> Floats:

@@ -91,7 +91,9 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
 
     def final_rows(x: Array, p: WheelsParameters) -> Array:
         omega = jnp.stack(at.rate(x, p, form))
-        rows = [attitude_row(p.reference, x[:4]), RATE_SCALE * (omega - p.reference_rate)]
+        rows = [RATE_SCALE * (omega - p.reference_rate)]
+        if form.end == "reach":
+            rows.append(attitude_row(p.reference, x[:4]))
         if form.speeds:
             missed = at.stored(x, form) - p.reference_stored
             rows.append(RATE_SCALE * at.product(p.end_rows, missed))
@@ -104,9 +106,10 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         total = -p.last_shone * collected(p.panels, sun, p.smoothing).area
         if form.power == "signed":
             total = total + p.taken * at.kinetic_energy(x, omega, p, form)
-        if form.end == "penalty":
+        if form.end in ("penalty", "rate"):
             inner = jnp.sum(p.reference * x[:4])
             total = total + p.attitude_weight * (1.0 - inner)
+        if form.end == "penalty":
             total = total + p.rate_weight * jnp.sum((omega - p.reference_rate) ** 2)
         return total / p.energy_scale
 
@@ -133,7 +136,7 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         retract=retract,
         difference=difference,
         inequality=inequality if limited else None,
-        final_rows=final_rows if form.end == "reach" else None,
+        final_rows=final_rows if form.end in ("reach", "rate") else None,
         limits=limits,
         linearisation=functools.partial(linearisation, of_z),
         lagrangian_hessian=functools.partial(lagrangian_hessian, of_z),

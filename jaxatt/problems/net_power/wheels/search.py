@@ -46,28 +46,47 @@ def search_wheels(
     """
     size = shared_length(manoeuvres[0].intervals) if shared else None
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
-    starts = _together([draw_starts(task, count, seed) for task in tasks])
+    parts = [draw_starts(task, count, seed) for task in tasks]
+    return solve_in_fine_steps(tasks, parts, report)[1]
+
+
+def solve_in_fine_steps(
+    tasks: Sequence[WheelsTask],
+    parts: Sequence[Starts],
+    report: Report | None = None,
+    rows: int | None = None,
+) -> tuple[Sequence[WheelsTask], tuple[Solved, ...]]:
+    """Solve tasks of one form from given starts, with as many steps an interval as they ask for.
+
+    parts : starts of each task.  rows : starts in one compiled call.
+    Returns the tasks with those steps, and the answers; see `search_wheels`.
+    """
+    manoeuvres, starts = [task.manoeuvre for task in tasks], _together(parts)
+    size = starts.u.shape[1]
     if manoeuvres[0].substeps is None:
-        steps = _substeps(tasks[0], starts)
+        steps = _substeps(starts)
         tasks = [wheels_task(manoeuvre, steps, size) for manoeuvre in manoeuvres]
-    solution = solve_starts(tasks, starts, report=report)
+    solution = solve_starts(tasks, starts, report=report, rows=rows)
     found = _solved(tasks, starts, solution)
     substeps = tasks[0].form.substeps
     while substeps < _MOST_SUBSTEPS and _too_coarse(manoeuvres, found):
         substeps *= 2
         tasks = [wheels_task(manoeuvre, substeps, size) for manoeuvre in manoeuvres]
         starts = continued(starts, solution)
-        solution = solve_starts(tasks, starts, report=report)
+        solution = solve_starts(tasks, starts, report=report, rows=rows)
         found = _solved(tasks, starts, solution)
-    return found
+    return tasks, found
 
 
 def solve_wheels(
-    manoeuvre: Manoeuvre, starts: Starts, substeps: int | None = None, size: int | None = None
-) -> Solved:
-    """Solve one manoeuvre from given starts, e.g. from a neighbour's answer."""
-    task = wheels_task(manoeuvre, substeps, size)
-    return _solved([task], starts, solve_starts([task], starts))[0]
+    tasks: Sequence[WheelsTask],
+    parts: Sequence[Starts],
+    report: Report | None = None,
+    rows: int | None = None,
+) -> tuple[Solved, ...]:
+    """Solve tasks with the steps that they have from given starts, e.g. neighbours' answers."""
+    starts = _together(parts)
+    return _solved(tasks, starts, solve_starts(tasks, starts, report=report, rows=rows))
 
 
 def continued(starts: Starts, solution: InteriorSolution) -> Starts:
@@ -85,7 +104,7 @@ def _together(parts: Sequence[Starts]) -> Starts:
     return Starts(*(np.concatenate(leaves) for leaves in zip(*numbered, strict=True)))
 
 
-def _substeps(task: WheelsTask, starts: Starts) -> int:
+def _substeps(starts: Starts) -> int:
     """Runge-Kutta steps an interval that the turns of the starts ask for, a power of two."""
     q = np.asarray(starts.x)[..., :4]
     alike = np.clip(np.abs((q[:, 1:] * q[:, :-1]).sum(axis=-1)), 0.0, 1.0)
@@ -96,11 +115,13 @@ def _substeps(task: WheelsTask, starts: Starts) -> int:
 
 def _too_coarse(manoeuvres: Sequence[Manoeuvre], found: Sequence[Solved]) -> bool:
     """Whether answers that the solver is content with do not arrive in flight."""
-    if manoeuvres[0].end is None or manoeuvres[0].terminal != "reach":
+    if manoeuvres[0].end is None or manoeuvres[0].terminal == "penalty":
         return False
     arrived: list[bool] = []
     most = max(1, _FLOWN // len(manoeuvres))
-    for manoeuvre, solved in zip(manoeuvres, found, strict=True):
+    # Those of the longest intervals first: they are the coarsest.
+    coarsest = sorted(zip(manoeuvres, found, strict=True), key=lambda pair: -pair[0].step)
+    for manoeuvre, solved in coarsest:
         content = np.flatnonzero(np.isin(solved.status, (Status.CONVERGED, Status.FEASIBLE)))
         best = content[np.argsort(-solved.claimed[content])][:most]
         if len(best):
@@ -127,7 +148,8 @@ def _solved(
         dipole = parts[..., :3] - parts[..., 3:]
     scaled = u[..., : form.wheels]
     # The solver also pays a small price of effort, which is none of the energy.
-    paid = float(p.step) * float(p.effort) * (scaled**2).sum(axis=(1, 2))
+    step = np.array([task.manoeuvre.step for task in tasks])
+    paid = step[of] * float(p.effort) * (scaled**2).sum(axis=(1, 2))
     loads = np.array([task.manoeuvre.load * task.manoeuvre.duration for task in tasks])
     scale = np.array([float(task.parameters.energy_scale) for task in tasks])
     whole = Solved(

@@ -204,7 +204,7 @@ def _form(manoeuvre: Manoeuvre, arms: _Arms, total: float, substeps: int) -> Whe
     torqued = satellite.orbit is not None and (
         acting or managing or satellite.decided_dipole or bool(np.any(satellite.orbit.sine))
     )
-    speeds = end is not None and end.omega_bw is not None and manoeuvre.terminal == "reach"
+    speeds = end is not None and end.omega_bw is not None and manoeuvre.terminal != "penalty"
     magnetorquers = "decided" if satellite.decided_dipole else "managing" if managing else "none"
     still = total <= _STILL * arms.scale
     return WheelsForm(

@@ -1,0 +1,78 @@
+"""Command `jaxatt pareto`."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.runtime.progress import Reporter
+from jaxatt.studies.pareto import POINTS, STARTS, front_request
+from jaxatt.studies.pareto import pareto as find
+
+
+class Over(StrEnum):
+    """What the energy is weighed against."""
+
+    time = "time"
+    error = "error"
+
+
+def pareto(
+    case: Case,
+    over: Annotated[
+        Over,
+        typer.Option(help="What the energy is weighed against: time, or the error at the end."),
+    ] = Over.time,
+    points: Annotated[
+        int | None, typer.Option(help="Number of points.", show_default=str(POINTS))
+    ] = None,
+    values: Annotated[
+        str | None,
+        typer.Option(
+            help="In place of the points, separated by commas: final times in seconds, or weights "
+            "of time where the final time is free; over the error, weights of the attitude in "
+            "joules.",
+            show_default=False,
+        ),
+    ] = None,
+    starts: Starts = None,
+    seed: Seed = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compute the Pareto front of a manoeuvre's energy against time or against its error."""
+    with clean_exit():
+        given = None if values is None else _numbers(values)
+        asked = front_request(over, points, given)
+        scenario, folder = prepared(case, {}, out)
+        prepare_jax(compile_cache)
+        flown = asked.points * (starts or min(STARTS, scenario.solver.starts))
+        with Reporter(flown, quiet) as report:
+            found = find(
+                scenario,
+                over,
+                points=points,
+                values=given,
+                starts=starts,
+                seed=seed,
+                report=report,
+            )
+        if not quiet:
+            show(found.table())
+        finish(repr(found), found.save(folder), folder, quiet)
+        if not found.reached:
+            typer.echo("a point does not reach what was asked when flown", err=True)
+            raise typer.Exit(NOT_REACHED)
+
+
+def _numbers(text: str) -> list[float]:
+    """Read numbers separated by commas."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"--values {text}: give numbers separated by commas") from None
