@@ -12,7 +12,7 @@ from jaxatt.problems.net_power.front.neighbours import Point
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.phase import phase_of
 from jaxatt.problems.net_power.record import energy_of, with_starts_of
-from jaxatt.problems.net_power.wheels.directions import best_directions
+from jaxatt.problems.net_power.sun_directions import best_directions
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.arrays import Floats
