@@ -43,11 +43,11 @@ def charge_along(changes: Any, start: Any, capacity: Any) -> jax.Array:
     start : (...) [J], charge before the first.  capacity : (...) [J]; inf where it is not known.
     A full battery takes no more.  An empty one goes below zero, which tells how much is missing.
     """
-    first = jnp.asarray(start, float)[..., None]
     steps = jnp.asarray(changes, float)
-    first = jnp.broadcast_to(first, (*steps.shape[:-1], 1))
+    lead = steps.shape[:-1]
+    first, most = (jnp.broadcast_to(value, lead)[..., None] for value in (start, capacity))
     free = jnp.concatenate([first, first + jnp.cumsum(steps, axis=-1)], axis=-1)
-    over = jax.lax.cummax(free - jnp.asarray(capacity, float)[..., None], axis=free.ndim - 1)
+    over = jax.lax.cummax(free - most, axis=free.ndim - 1)
     return free - jnp.maximum(over, 0.0)
 
 
