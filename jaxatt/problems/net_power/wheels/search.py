@@ -14,7 +14,7 @@ from jaxatt.problems.net_power.judge import judge_manoeuvre
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.batch import solve_starts
 from jaxatt.problems.net_power.wheels.lengths import shared_length
-from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts
+from jaxatt.problems.net_power.wheels.starts import Starts, draw_all
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
@@ -34,30 +34,32 @@ def search_wheels(
     seed: int,
     report: Report | None = None,
     shared: bool = False,
+    room: int = 1,
 ) -> tuple[Solved, ...]:
     """Solve from `count` starts each, for several manoeuvres of one shape in one batch.
 
     manoeuvres : of one number of intervals, one kind of satellite and one kind of end.
     shared : whether to fill their intervals up to a length that other manoeuvres have, too, so that
     they share a compiled program.
+    room : manoeuvres that the program has room for, at least; so that it serves fewer, too.
 
     Where the best answers do not end where the solver says when they are flown finely, all are
     solved again with more Runge-Kutta steps an interval, from where they are.
     """
     size = shared_length(manoeuvres[0].intervals) if shared else None
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
-    starts = _together([draw_starts(task, count, seed) for task in tasks])
+    starts = draw_all(tasks, count, seed)
     if manoeuvres[0].substeps is None:
         steps = _substeps(tasks[0], starts)
         tasks = [wheels_task(manoeuvre, steps, size) for manoeuvre in manoeuvres]
-    solution = solve_starts(tasks, starts, report=report)
+    solution = solve_starts(tasks, starts, report=report, room=room)
     found = _solved(tasks, starts, solution)
     substeps = tasks[0].form.substeps
     while substeps < _MOST_SUBSTEPS and _too_coarse(manoeuvres, found):
         substeps *= 2
         tasks = [wheels_task(manoeuvre, substeps, size) for manoeuvre in manoeuvres]
         starts = continued(starts, solution)
-        solution = solve_starts(tasks, starts, report=report)
+        solution = solve_starts(tasks, starts, report=report, room=room)
         found = _solved(tasks, starts, solution)
     return found
 
@@ -75,14 +77,6 @@ def continued(starts: Starts, solution: InteriorSolution) -> Starts:
     u, x = np.asarray(solution.u), np.asarray(solution.x)
     finite = (np.isfinite(u).all(axis=(1, 2)) & np.isfinite(x).all(axis=(1, 2)))[:, None, None]
     return starts._replace(u=np.where(finite, u, starts.u), x=np.where(finite, x, starts.x))
-
-
-def _together(parts: Sequence[Starts]) -> Starts:
-    """Starts of all manoeuvres, each with its number."""
-    numbered = [
-        part._replace(task=np.full(len(part.u), number, int)) for number, part in enumerate(parts)
-    ]
-    return Starts(*(np.concatenate(leaves) for leaves in zip(*numbered, strict=True)))
 
 
 def _substeps(task: WheelsTask, starts: Starts) -> int:
