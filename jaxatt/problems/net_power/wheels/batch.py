@@ -69,18 +69,26 @@ def solve_starts(
     settings: InteriorSettings | None = None,
     report: Report | None = None,
     rows: int | None = None,
+    room: int = 1,
 ) -> InteriorSolution:
-    """Solve from all starts of tasks that have one form, and gather the results on the host."""
-    several = len(tasks) > 1
+    """Solve from all starts of tasks that have one form, and gather the results on the host.
+
+    rows : starts in one compiled call.  room : tasks that the call has room for, at least.
+    """
+    count, intervals = starts.u.shape[:2]
+    several = max(len(tasks), room) > 1
     parameters: Any = tasks[0].parameters
     if several:
-        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in tasks))
+        # As many rows as all of them would have.
+        count = count * max(len(tasks), room) // len(tasks)
+        filled = [*tasks, *[tasks[0]] * (room - len(tasks))]
+        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in filled))
     found: InteriorSolution = run_starts(
         InteriorPoint(settings or settings_for(tasks[0].form)),
         WheelsJob(tasks[0].form, several),
         starts,
         parameters,
-        rows=rows or rows_of_stages(*starts.u.shape[:2]),
+        rows=rows or rows_of_stages(count, intervals),
         progress=None if report is None else lambda done: report("solving from all starts", done),
     )
     return found

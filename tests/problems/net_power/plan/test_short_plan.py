@@ -1,0 +1,188 @@
+"""A plan of four short tasks from end to end: in sequence, above a floor, together, over dates."""
+
+import numpy as np
+import pytest
+from short_plan import short_plan
+
+import jaxatt
+from jaxatt import scenarios
+from jaxatt.drawing.rendering import as_text
+from jaxatt.multistart.driver import some_passes
+from jaxatt.optimize.status import Status
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.net_power import improve
+from jaxatt.problems.net_power.answers import searched
+from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.plan.joint.solve import JointAnswer
+from jaxatt.problems.net_power.pose import Pose, angle_between
+from jaxatt.problems.net_power.record import energy_of, net_power
+from jaxatt.report.tables import result_table
+from jaxatt.studies.plan_year import plan_year
+
+CAPACITY = 3600.0  # [J]
+SIGHTLESS = {"plan.least_elevation_deg": -90.0}
+"""Other dates have the targets elsewhere."""
+
+
+def planned(changes=None):
+    return jaxatt.solve(scenarios.from_mapping(short_plan(changes)))
+
+
+def torques(plan):
+    """Torques of the harvests, None for the other tasks."""
+    return tuple(
+        phase.series["torque_wheels"] if net_power(phase).mode == "harvest" else None
+        for phase in plan.phases
+    )
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    """Solved task after task; the floor is far below."""
+    return planned()
+
+
+@pytest.fixture(scope="module")
+def together():
+    return planned({"plan.joint": True})
+
+
+def test_every_task_begins_where_the_one_before_ended(sequence):
+    assert sequence.reached
+    time = 0.0
+    for before, after in zip(sequence.phases, sequence.phases[1:], strict=False):
+        time += before.final_time
+        assert after.start_time == pytest.approx(time)
+        end, begin = before.series, after.series
+        assert angle_between(end["q_ib"][-1], begin["q_ib"][0]) < 1e-9
+        assert begin["charge"][0] == pytest.approx(end["charge"][-1], abs=1e-9)
+        assert begin["net_energy"][0] == 0.0
+    whole = energy_of(sequence.phases)
+    charge = [phase.series["charge"] for phase in sequence.phases]
+    assert whole.final_charge == charge[-1][-1]
+    assert charge[-1][-1] - charge[0][0] == pytest.approx(whole.net, abs=1e-6)
+    assert whole.least_charge == min(part.min() for part in charge)
+
+
+def test_imaging_turns_at_its_rate_over_the_whole_task(sequence):
+    imaging, task = sequence.phases[1], options_of(sequence.scenario).tasks[1]
+    rate = np.deg2rad([0.0, -0.754, 0.0])
+    q, omega = imaging.series["q_ib"], imaging.series["omega_ib"]
+    np.testing.assert_allclose(omega, np.tile(rate, (len(omega), 1)), atol=1e-12)
+    begun = Pose(q[0], rate)
+    assert angle_between(begun.q_ib, task.pose.q_ib) < task.attitude_tolerance
+    for share in (0.5, 1.0):
+        node = round(share * (len(q) - 1))
+        assert angle_between(q[node], begun.after(share * task.duration).q_ib) < 1e-9
+    # It is the harvest before that sets the body turning.
+    ended = sequence.phases[0].series["omega_ib"][-1]
+    assert np.linalg.norm(ended - rate) < task.rate_tolerance
+
+
+def test_each_harvest_earns_more_than_the_law(sequence):
+    for phase in sequence.phases:
+        gain = net_power(phase).energy.gain
+        assert gain > 1.0 if net_power(phase).mode == "harvest" else abs(gain) < 1e-9
+
+
+def test_the_floor_of_the_battery_binds(sequence):
+    """On the way to the sun the charge dips; a floor above the dip costs energy, and lifts it.
+
+    The programme counts what the sun gives in an interval at its end, so that its charge is behind
+    by half an interval: what is held above the floor is that.
+    """
+    first = sequence.phases[0]
+    free = first.series["charge"]
+    counted = (free - 0.5 * first.step * first.series["solar_power"])[1:].min()
+    floor = counted + 0.5
+    held = planned({"limits.least_charge_percent": 100.0 * floor / CAPACITY})
+    assert held.reached
+    assert net_power(held.phases[0]).energy.least_charge >= floor
+    assert held.phases[0].series["charge"].min() > free.min() + 0.1
+    lost = net_power(first).energy.net - net_power(held.phases[0]).energy.net
+    assert 0.02 < lost < 2.0
+
+
+def test_a_floor_that_no_turn_can_hold_is_told_with_the_task_and_what_is_missing(sequence):
+    floor = sequence.phases[0].series["charge"].min() + 1.0
+    failed = planned({"limits.least_charge_percent": 100.0 * floor / CAPACITY})
+    first = failed.phases[0]
+    assert not failed.reached and not first.reached
+    missing = (floor - first.series["charge"].min()) / 3600.0
+    words = f"the battery falls {missing:.3g} Wh below its floor of {floor / 3600.0:.4g} Wh"
+    assert words in first.failure_reason
+    text = " ".join(as_text(result_table(failed), 80).split())
+    assert 'Task 1 "first harvest" is not flown as asked' in text and words in text
+
+
+def test_together_is_no_worse_than_in_sequence(sequence, together):
+    """Three wheels without external torques leave nothing to decide together: both must agree."""
+    joint = together.extra["joint"]
+    assert together.reached and "met constraints and stationarity" in joint["words"]
+    assert abs(joint["gain_J"]) < 1e-2
+    assert joint["kept"] == (joint["gain_J"] >= -1e-6)
+    earned, alone = energy_of(together.phases).net, energy_of(sequence.phases).net
+    assert earned == pytest.approx(alone + joint["kept"] * joint["gain_J"], abs=1e-6)
+    assert earned >= alone - 1e-6
+    for phase in together.phases:
+        # Of the search before, which has all starts.
+        count = len(phase.starts.status)
+        assert len(net_power(phase).start_energy) == len(net_power(phase).start_score) == count
+    text = " ".join(as_text(result_table(together), 80).split())
+    told = "kept" if joint["kept"] else "not kept"
+    assert f"{joint['gain_J']:+.3f} J over the sequence ({told};" in text
+
+
+@pytest.mark.parametrize("fault", ["misses", "earns less"])
+def test_the_sequence_is_kept_where_the_joint_answer_is_worse(sequence, monkeypatch, fault):
+    """An answer that does not arrive, and one that does but wastes energy on the way."""
+    given = torques(sequence)
+    if fault == "misses":
+        given = tuple(None if torque is None else 0.0 * torque for torque in given)
+    else:
+        solved = searched(sequence.scenario, PhaseStart(), None).solved
+        given = (solved.torque[np.argmin(solved.claimed)], *given[1:])
+    answer = JointAnswer(given, (None,) * 4, Status.CONVERGED, 0.0, 0.0, 7)
+    monkeypatch.setattr(improve, "solve_jointly", lambda *_, **__: answer)
+    scenario = scenarios.from_mapping(short_plan({"plan.joint": True}))
+    kept = improve.improved(scenario, sequence.phases, [None] * 4, None)
+    assert kept.phases == tuple(sequence.phases)
+    joint = kept.extra["joint"]
+    assert not joint["kept"] and "7 passes" in joint["words"]
+    if fault == "misses":
+        assert "4 tasks would not be flown as asked" in joint["words"]
+    else:
+        assert "would not" not in joint["words"]
+        assert joint["gain_J"] < -1.0
+
+
+def test_each_date_is_the_plan_of_that_date(sequence):
+    scenario = scenarios.from_mapping(short_plan())
+    own = scenario.orbit.days
+    year = plan_year(scenario, np.array([own - 60.0, own, own + 60.0]))
+    assert year.reached
+    # The same starts in another batch: the flights agree to what the solver leaves.
+    assert year.total[1] == pytest.approx(energy_of(sequence.phases).net, abs=0.05)
+    alone = planned({"orbit.epoch": "2023-05-13T09:35:11Z", **SIGHTLESS})
+    np.testing.assert_allclose(year.total[2], energy_of(alone.phases).net, atol=0.05)
+    base = sum(net_power(p).energy.baseline for p in alone.phases[::2])
+    assert year.baseline[2] == pytest.approx(base, abs=0.05)
+
+
+def test_dates_that_fail_are_told_and_the_others_go_on_in_the_same_programme():
+    scenario = scenarios.from_mapping(short_plan())
+    days = scenario.orbit.days + np.array([-30.0, 10.0, 90.0])
+    free = plan_year(scenario, days).plans
+    assert free.reached.all()
+    poor, rich = np.argmin(free.least_charge), np.argmax(free.least_charge)
+    floor = free.least_charge[poor] + 1.0
+    # What the programme counts is behind by half an interval, see above.
+    assert free.least_charge[rich] > floor + 10.0
+    held = scenarios.replace(scenario, {"limits.least_charge_percent": 100.0 * floor / CAPACITY})
+    compiled = set(some_passes._begun)
+    year = plan_year(held, days)
+    assert set(some_passes._begun) == compiled
+    assert not year.plans.reached[poor] and np.isnan(year.total[poor])
+    assert year.plans.reason[poor].startswith('task 1 "first harvest": ')
+    assert year.plans.reached[rich]
+    assert year.plans.net[rich].sum() == pytest.approx(free.net[rich].sum(), abs=0.1)
