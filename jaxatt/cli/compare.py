@@ -46,7 +46,7 @@ def compare(
         prepare_jax(compile_cache)
 
         with Reporter(scenario.solver.starts, quiet) as report:
-            comparison = run(scenario, report=report)
+            comparison = run(scenario, starts, seed, report)
         if not quiet:
             show(comparison.table())
         files = comparison.save(folder)

@@ -10,17 +10,29 @@ from jaxatt.runtime.chunks import Report
 from jaxatt.studies.comparison import Comparison, compare_controllers
 from jaxatt.studies.energy_comparison import EnergyComparison, compare_energy
 from jaxatt.studies.time_comparison import TimeComparison, compare_times
+from jaxatt.studies.weight_comparison import WeightComparison, compare_weights
 
-Study = Callable[
-    [scenarios.Scenario, int | None, int | None, Report | None],
-    Comparison | TimeComparison | EnergyComparison,
-]
+AnyComparison = Comparison | TimeComparison | EnergyComparison | WeightComparison
+Study = Callable[[scenarios.Scenario, int | None, int | None, Report | None], AnyComparison]
+
+
+def _compare_net_power(
+    scenario: scenarios.Scenario,
+    starts: int | None,
+    seed: int | None,
+    report: Report | None,
+) -> EnergyComparison | WeightComparison:
+    """Compare one manoeuvre or plan, or those for all weights of time that are printed."""
+    many = scenario.horizon.free and "time_weight_W_s" in scenario.printed
+    study = compare_weights if many else compare_energy
+    return study(scenario, starts, seed, report)
+
 
 _STUDIES: dict[str, Study] = {
     "hands-off": compare_controllers,
     "toy": compare_controllers,
     "time-optimal": compare_times,
-    "net-power": compare_energy,
+    "net-power": _compare_net_power,
 }
 """Name of a family -> what compares its scenarios."""
 
@@ -30,8 +42,9 @@ def compare(
     starts: int | None = None,
     seed: int | None = None,
     report: Report | None = None,
-) -> Comparison | TimeComparison | EnergyComparison:
-    """Run every controller of the source on a scenario, or every transcription of a turn.
+) -> AnyComparison:
+    """Run every controller of the source on a scenario, every transcription of a turn, or every
+    weight of time.
 
     starts, seed : replace the scenario's own.  report : as in `solve`.
     Raises `ScenarioError` for a family without printed values.

@@ -17,6 +17,7 @@ from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
 from jaxatt.problems.net_power.record import net_power
+from jaxatt.problems.net_power.report.plan_table import totals
 from jaxatt.records.phase import Phase
 from jaxatt.report import plots
 from jaxatt.report.folder import save as save_result
@@ -55,15 +56,26 @@ class EnergyRow:
         return None if self.baseline_J is None else self.net_J - self.baseline_J
 
 
+@dataclass(frozen=True)
+class Total:
+    """Energies of several tasks together [J], of the optimum and of the PD law."""
+
+    label: str
+    net_J: float
+    baseline_J: float | None
+
+
 @dataclass(frozen=True, eq=False)
 class EnergyComparison:
     """Table of energies beside printed ones, and the result behind it.
 
+    totals : of a plan, as the source's table 5.7 has them; empty for a manoeuvre.
     findings : what the rows say of the printed values, in words.
     """
 
     scenario: scenarios.Scenario
     rows: tuple[EnergyRow, ...]
+    totals: tuple[Total, ...]
     results: Mapping[str, Result]
     findings: tuple[str, ...]
 
@@ -82,8 +94,10 @@ class EnergyComparison:
         """Return the comparison as a rich table."""
         title = f"{self.scenario.title}; printed: {self.scenario.source}"
         rows = [_with_gain(row) for row in self.rows]
+        sums = _totals_beside(self.scenario, self.totals)
         return Group(
-            *energy_table(title, rows, self.printed), *(Text(text) for text in self.findings)
+            *energy_table(title, rows, self.printed, sums),
+            *(Text(text) for text in self.findings),
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -92,6 +106,7 @@ class EnergyComparison:
             "scenario": self.scenario.name,
             "source": self.scenario.source,
             "rows": [_with_gain(row) for row in self.rows],
+            "totals": [asdict(total) for total in self.totals],
             "printed": dict(self.scenario.printed),
             "findings": list(self.findings),
         }
@@ -133,7 +148,16 @@ def compare_energy(
     """
     result = solve(scenario, starts=starts, seed=seed, report=report)
     rows = tuple(energy_row(phase) for phase in result.phases)
-    return EnergyComparison(scenario, rows, {"optimum": result}, _findings(scenario, rows))
+    sums: tuple[Total, ...] = ()
+    if len(rows) > 1:
+        sums = tuple(Total(label, of.net, of.baseline) for label, of in totals(result.phases))
+    found = _findings(scenario, rows)
+    return EnergyComparison(scenario, rows, sums, {"optimum": result}, found)
+
+
+def quaternion_error(angle: float) -> float:
+    """1 - |q' q_ref| of two attitudes that are an angle [rad] apart, exact for small ones, too."""
+    return 2.0 * math.sin(0.25 * angle) ** 2
 
 
 def energy_row(phase: Phase) -> EnergyRow:
@@ -148,9 +172,9 @@ def energy_row(phase: Phase) -> EnergyRow:
         net_J=found.energy.net,
         baseline_J=found.energy.baseline,
         attitude_error_deg=None if attitude is None else math.degrees(attitude),
-        quaternion_error=None if attitude is None else 1.0 - math.cos(0.5 * attitude),
+        quaternion_error=None if attitude is None else quaternion_error(attitude),
         rate_error=None if rate is None else rate**2,
-        baseline_quaternion_error=None if turned is None else 1.0 - math.cos(0.5 * turned),
+        baseline_quaternion_error=None if turned is None else quaternion_error(turned),
         baseline_rate_error=None if left is None else left**2,
         share_at_best=found.share,
     )
@@ -160,35 +184,63 @@ def _with_gain(row: EnergyRow) -> dict[str, Any]:
     return {**asdict(row), "gain_J": row.gain_J}
 
 
+def _totals_beside(
+    scenario: scenarios.Scenario, sums: Sequence[Total]
+) -> list[tuple[dict[str, Any], dict[str, float]]]:
+    """Totals, each with what is printed for it: "totals_J" in the order of table 5.7."""
+    printed = [
+        {"net_J": net, "baseline_J": base}
+        for net, base in zip(
+            scenario.printed.get("totals_J", []),
+            scenario.printed.get("baseline_totals_J", []),
+            strict=True,
+        )
+    ]
+    if len(printed) != len(sums):
+        printed = [{}] * len(sums)
+    return [(asdict(one), beside) for one, beside in zip(sums, printed, strict=True)]
+
+
 def _findings(scenario: scenarios.Scenario, rows: Sequence[EnergyRow]) -> tuple[str, ...]:
-    """Sentences on what earns more than printed, and on totals as the source adds them up."""
+    """Sentences on what earns more than printed, what does not, and what is not reached."""
     printed = {row["label"]: row for row in scenario.printed.get("rows", [])}
     found = [text for text in (scenario.printed.get("disagreement"),) if isinstance(text, str)]
-    known = [row for row in rows if row.label in printed and row.gain_J is not None]
-    if not known:
-        return tuple(found)
-    net, base = (sum(getattr(row, name) for row in known) for name in ("net_J", "baseline_J"))
-    asked, law = (
-        sum(printed[row.label][name] for row in known) for name in ("net_J", "baseline_J")
-    )
-    found.append(
-        f"Over {'the ' if len(known) > 1 else ''}"
-        f"{len(known)} manoeuvre{'s' if len(known) > 1 else ''}: {net:.1f} J, {net - base:+.1f} J "
-        f"over the PD law (printed {asked:.1f} J, {asked - law:+.1f} J)."
-    )
-    if len(rows) > len(known):
-        total, all_base = (
-            sum(getattr(row, name) or 0.0 for row in rows) for name in ("net_J", "baseline_J")
-        )
+    known = [row for row in rows if row.label in printed]
+    gains = {row.label: row.gain_J for row in known if row.gain_J is not None}
+    if gains:
+        asked = {k: printed[k]["net_J"] - printed[k]["baseline_J"] for k in gains}
         found.append(
-            f"With imaging and communication: {total:.1f} J, {total - all_base:+.1f} J over the "
-            f"PD law{_share(total, all_base)}."
+            f"Gain over the PD law: {sum(gains.values()):+.1f} J{_over(gains)} "
+            f"(printed {sum(asked.values()):+.1f} J)."
         )
-    behind = [row.label for row in known if (row.gain_J or 0.0) <= 0.0]
-    if behind:
-        found.append(f"The PD law earns as much or more in: {', '.join(behind)}.")
+        less = [label for label, gain in gains.items() if gain < asked[label]]
+        if less:
+            found.append(f"The gain is less than printed in: {', '.join(less)}.")
+        behind = [label for label, gain in gains.items() if gain <= 0.0]
+        if behind:
+            found.append(f"The PD law earns as much or more in: {', '.join(behind)}.")
+    if len(known) > 1:
+        found += _on_ends(known, printed)
+    missed = [row.label for row in rows if not row.reached]
+    if missed:
+        found.append(f"Not flown as asked: {', '.join(missed)}.")
     return tuple(found)
 
 
-def _share(total: float, base: float) -> str:
-    return f", {100.0 * (total / base - 1.0):+.3g} %" if base > 0.0 else ""
+def _over(gains: Mapping[str, Any]) -> str:
+    return f" in {len(gains)} manoeuvres" if len(gains) > 1 else ""
+
+
+def _on_ends(
+    known: Sequence[EnergyRow], printed: Mapping[str, Mapping[str, float]]
+) -> tuple[str, ...]:
+    """Sentence on the largest error at an end, of the flights and of the printed claims."""
+    ours = [row.quaternion_error for row in known if row.quaternion_error is not None]
+    asked = [printed[row.label].get("quaternion_error") for row in known]
+    claimed = [abs(value) for value in asked if value is not None]
+    if not ours or not claimed:
+        return ()
+    return (
+        f"The largest 1 - |q' q_ref| is {max(ours):.1e} when flown with fine steps; printed "
+        f"{max(claimed):.1e}, by one step an interval.",
+    )

@@ -1,0 +1,97 @@
+"""Tables and figure of manoeuvres for many weights of time beside printed values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.records.wording import short
+
+_Rows = Sequence[Mapping[str, Any]]
+
+
+def weight_table(title: str, rows: _Rows, printed: _Rows) -> tuple[Table, Table]:
+    """Tables of what is earned and of the errors at the end, the printed values in brackets.
+
+    rows, printed : as `jaxatt.studies.weight_comparison.WeightRow.to_dict`; the first also with
+    "attitude_error_deg", "claimed_J" and "reached".
+    """
+    earned = _table(title, ("net [J]", "time T [s]", "mean power [W]", "cost (6.2a) [W]"))
+    ended = _table(
+        "At the end, flown again",
+        ("off [deg]", "1 - |q'q_ref|", "rate^2 [rad2/s2]", "claimed - flown [J]"),
+    )
+    for row, beside in zip(rows, printed, strict=True):
+        head = Text(f"{row['time_weight']:g}", style="" if row["reached"] else "yellow")
+        earned.add_row(
+            head,
+            _beside(row, beside, "net_J", ".1f", ".0f"),
+            _beside(row, beside, "final_time_s", ".1f", ".0f"),
+            _beside(row, beside, "mean_power_W", ".3f", ".3f"),
+            _beside(row, beside, "cost", ".3f", ".3f"),
+        )
+        ended.add_row(
+            head,
+            short(row["attitude_error_deg"], 2),
+            _beside(row, beside, "quaternion_error", ".1e", ".1e"),
+            _beside(row, beside, "rate_error", ".1e", ".1e"),
+            f"{row['claimed_J'] - row['net_J']:+.2g}",
+        )
+    return earned, ended
+
+
+def weight_figure(title: str, rows: _Rows, printed: _Rows) -> Picture:
+    """Figure of net energy over time; each point carries the exponent of its weight."""
+    figure = picture(7.5, 5.5, f"{title}\nnumbers: exponent of the weight of time k3")
+    axes = figure.subplots()
+    _points(axes, printed, "printed", 1, "x", (5, -11))
+    _points(axes, rows, "flown again", 0, "o", (5, 4))
+    axes.set_xlabel("final time [s]")
+    axes.set_ylabel("net energy [J]")
+    axes.legend(frameon=False, loc="upper left")
+    tidy(axes)
+    return figure
+
+
+def _points(
+    axes: Axes, rows: _Rows, words: str, index: int, marker: str, place: tuple[int, int]
+) -> None:
+    time, energy = ([row[name] for row in rows] for name in ("final_time_s", "net_J"))
+    axes.plot(time, energy, marker, color=colour(index), linestyle="", label=words)
+    for row, point in zip(rows, zip(time, energy, strict=True), strict=True):
+        exponent = f"{math.log10(row['time_weight']):.3g}"
+        axes.annotate(
+            exponent,
+            point,
+            xytext=place,
+            textcoords="offset points",
+            color=colour(index),
+            fontsize=8,
+        )
+
+
+def _table(title: str, headers: Sequence[str]) -> Table:
+    table = Table(
+        title=Text(title, style="bold"),
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
+    )
+    table.add_column("k3 [W/s]", no_wrap=True)
+    for header in headers:
+        table.add_column(Text(header), justify="right")
+    return table
+
+
+def _beside(
+    row: Mapping[str, Any], beside: Mapping[str, Any], name: str, ours: str, printed: str
+) -> str:
+    return f"{row[name]:{ours}} ({beside[name]:{printed}})"
