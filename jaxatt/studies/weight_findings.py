@@ -91,7 +91,7 @@ def _monotone(rows: Sequence[Weighed]) -> str:
     if all(falls):
         return "Time and net energy fall with k3 throughout."
     names = [name for name, ok in zip(("time", "net energy"), falls, strict=True) if not ok]
-    return f"With k3 {_and(names)} do not fall throughout."
+    return f"Not falling with k3 throughout: {_and(names)}."
 
 
 def _agreement(rows: Sequence[Weighed], claimed: Sequence[float]) -> str:
