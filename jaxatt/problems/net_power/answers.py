@@ -117,7 +117,8 @@ def flown_again(manoeuvre: Manoeuvre, solved: Solved) -> Flown:
     verdict = judge_flight(manoeuvre, flight, solved.dipole is not None)
     score = flight.energy.net_J - printed_cost(manoeuvre, flight)
     scale = float(np.nanmax(np.abs(flight.energy.solar_J), initial=1.0))
-    return ranked(manoeuvre, solved, flight, verdict, score, scale)
+    weighed = manoeuvre.terminal == "penalty"
+    return ranked(manoeuvre, solved, flight, verdict, score, scale, weighed)
 
 
 def held(task: Task, manoeuvre: Manoeuvre) -> Flown:

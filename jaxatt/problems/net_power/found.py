@@ -53,8 +53,8 @@ class Flown:
     """Answers with their fine flights and verdicts, and the best of them.
 
     score : (S,), what the answers are ranked by, the most first; [J], or [W] for mean power.
-    best : index of the answer.  minima : different ones among the starts that reached.
-    share : of all starts, those that reached and are at the best.
+    best : index of the answer.  minima : different ones among the starts that reached,
+    or whose errors are weighed.  share : of all starts, those of these at the best.
     notes : what else is worth telling where the best did not reach.
     """
 
@@ -81,19 +81,25 @@ def ranked(
     verdict: Verdict,
     score: Floats,
     scale: float,
+    weighed: bool = False,
 ) -> Flown:
     """Choose the best of the answers that reached, or the nearest where none did.
 
     scale : of the score, against which differences are small.
+    weighed : whether the score weighs the errors at the end, so that the best may miss.
     """
     usable = np.where(np.isfinite(score), score, -np.inf)
     missed = np.where(verdict.reached, 0.0, np.maximum(1.0, verdict.shortfall))
+    if weighed:
+        kept = verdict.limit_violation <= verdict.LIMIT_TOLERANCE
+        kept &= verdict.margin_violation <= verdict.MARGIN_TOLERANCE
+        missed = np.where(kept, 0.0, missed)
     # Of answers that do not reach the nearest; of those that violate a limit alone, any.
     best = int(np.lexsort((-usable, missed))[0])
     same = SAME * max(scale, 1e-12)
-    ended = np.sort(usable[verdict.reached & np.isfinite(usable)])
-    minima = int(len(ended) > 0) + int((np.diff(ended) > same).sum())
-    near = verdict.reached & (usable >= usable[best] - same)
+    counted = (missed <= 0.0) & np.isfinite(usable)
+    minima = int(counted.any()) + int((np.diff(np.sort(usable[counted])) > same).sum())
+    near = counted & (usable >= usable[best] - same)
     return Flown(manoeuvre, solved, flight, verdict, score, best, minima, float(near.mean()))
 
 

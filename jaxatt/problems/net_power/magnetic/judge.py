@@ -39,7 +39,8 @@ def fly_found(found: FrontFound, k: int = 0) -> Flown:
         iterations=answers.iterations,
     )
     earned = np.abs(flight.energy.solar_J) / (final if m.cost == "mean-power" else 1.0)
-    flown = ranked(manoeuvres[0], solved, flight, verdict, -cost, float(np.nanmax(earned)))
+    scale, weighed = float(np.nanmax(earned)), m.terminal == "penalty"
+    flown = ranked(manoeuvres[0], solved, flight, verdict, -cost, scale, weighed)
     best = flown.best
     notes: tuple[str, ...] = ()
     if not flown.reached[best]:
