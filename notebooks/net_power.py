@@ -29,6 +29,7 @@ from jaxatt import compare, scenarios
 from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.panels import limits, lines, references, runs
+from jaxatt.environment.eclipse_times import eclipses
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power.answers import phase_manoeuvre
 from jaxatt.problems.net_power.baseline import fly_baseline
@@ -307,25 +308,30 @@ display(Markdown("*As figure 6.6:*"))
 display(weighed.plot())
 
 # %%
-slow = weighed.phases[0]
+slow, ours, theirs = weighed.phases[0], weighed.rows[0], weighed.printed[0]
 last = slow.final_time
 stay = np.linspace(0.0, last, len(slow.series["light"]))
+cubesat = options_of(weighed.scenario).satellite
+orbiting = np.linspace(0.0, theirs.final_time_s, 2000)
+_, light = sunlight_at(cubesat, orbiting)
+(shadow,) = eclipses(cubesat.orbit, cubesat.light, 0.0, theirs.final_time_s)
 
 
-def in_free_time(title, labels, height=2.2):
+def in_free_time(title, labels, until, height=2.2):
     """Panels with the eclipse shaded."""
     figure, column = panels(title, labels, height)
     for axes in column:
-        for first, end in runs(slow.series["light"] < 1.0):
-            stop = stay[min(end, len(stay) - 1)]
-            axes.axvspan(stay[first], stop, color="#D9D9D9", linewidth=0, zorder=0)
-    column[-1].set_xlim(0.0, last)
+        axes.axvspan(
+            shadow.penumbra_entry, shadow.penumbra_exit, color="#D9D9D9", linewidth=0, zorder=0
+        )
+        axes.set_xlim(0.0, until)
     return figure, column
 
 
 figure, column = in_free_time(
     f"As figures 6.1 to 6.3, k3 = {weighed.rows[0].time_weight:g} W/s",
     ["quaternion $q_{ob}$", "rate $\\omega_{ob}$ [deg/s]", "dipole [A m$^2$]"],
+    last,
 )
 q = steady(slow.series["q_ob"])
 lines(column[0], stay, q, QUATERNION)
@@ -342,17 +348,20 @@ for axes in column:
 display(figure)
 
 # %%
-figure, column = in_free_time("As figures 6.4 and 6.5", ["net power [W]", "light"], 1.8)
+figure, column = in_free_time(
+    f"As figures 6.4 and 6.5, as long as the printed manoeuvre, {theirs.final_time_s:.0f} s",
+    ["net power [W]", "light"],
+    theirs.final_time_s,
+    1.8,
+)
 column[0].plot(stay, slow.series["net_power"], color=colour(0), linewidth=1.4)
-column[1].plot(stay, slow.series["light"], color=colour(0), linewidth=1.4)
+column[1].plot(orbiting, light, color=colour(0), linewidth=1.4)
 display(figure)
 saturated = float((np.abs(slow.controls) > 0.999 * most_dipole).any(axis=1).mean())
-dusk = [passage.penumbra_entry for passage in net_power(slow).shadow]
-ours, theirs = weighed.rows[0], weighed.printed[0]
 say(
-    f"With k3 = {ours.time_weight:g} the manoeuvre takes {last:.0f} s"
-    + (f"; the Earth's shadow begins at {dusk[0]:.0f} s" if dusk else ", all in the light")
-    + f". A dipole is at its limit in {100.0 * saturated:.0f} % of the intervals. Mean net power "
-    f"is {ours.mean_power_W:.2f} W. The printed answer takes {theirs.final_time_s:.0f} s, through "
-    f"the eclipse, with {theirs.mean_power_W:.2f} W."
+    f"With k3 = {ours.time_weight:g} W/s the manoeuvre takes {last:.0f} s; the Earth's shadow lies "
+    f"between {shadow.penumbra_entry:.0f} and {shadow.penumbra_exit:.0f} s. Mean net power is "
+    f"{ours.mean_power_W:.2f} W, and a dipole is at its limit in {100.0 * saturated:.0f} % of the "
+    f"intervals. The printed manoeuvre takes {theirs.final_time_s:.0f} s, through the shadow: "
+    f"{theirs.mean_power_W:.2f} W are left."
 )

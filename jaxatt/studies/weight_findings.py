@@ -8,6 +8,9 @@ from typing import Protocol
 
 import numpy as np
 
+_SAME = 1e-5
+"""Relative difference of costs, times and energies up to which two are the same."""
+
 
 class Weighed(Protocol):
     """Figures of a manoeuvre for one weight of time, as `WeightRow` has them."""
@@ -56,7 +59,7 @@ def better_rows(rows: Sequence[Weighed]) -> list[int]:
     mixed = (cost - weight * time)[None] + weight[:, None] * time[None]
     own = np.arange(len(rows))
     best = mixed.argmin(axis=1)
-    gains = mixed[own, own] - mixed[own, best] > 1e-9 * np.maximum(1.0, np.abs(cost))
+    gains = mixed[own, own] - mixed[own, best] > _SAME * np.maximum(1.0, np.abs(cost))
     return [int(index) for index in np.where(gains, best, own)]
 
 
@@ -87,7 +90,9 @@ def _against(rows: Sequence[Weighed], printed: Sequence[Weighed]) -> list[str]:
 def _monotone(rows: Sequence[Weighed]) -> str:
     times = [row.final_time_s for row in rows]
     energies = [row.net_J for row in rows]
-    falls = [all(b <= a for a, b in pairwise(values)) for values in (times, energies)]
+    falls = [
+        all(b <= a + _SAME * abs(a) for a, b in pairwise(values)) for values in (times, energies)
+    ]
     if all(falls):
         return "Time and net energy fall with k3 throughout."
     names = [name for name, ok in zip(("time", "net energy"), falls, strict=True) if not ok]

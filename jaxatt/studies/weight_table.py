@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from matplotlib.axes import Axes
+import numpy as np
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from jaxatt.drawing.figure import Picture, colour, picture, tidy
 from jaxatt.records.wording import short
+from jaxatt.runtime.arrays import Floats
 
 _Rows = Sequence[Mapping[str, Any]]
 
@@ -49,10 +49,23 @@ def weight_table(title: str, rows: _Rows, printed: _Rows) -> tuple[Table, Table]
 
 def weight_figure(title: str, rows: _Rows, printed: _Rows) -> Picture:
     """Figure of net energy over time; each point carries the exponent of its weight."""
-    figure = picture(7.5, 5.5, f"{title}\nnumbers: exponent of the weight of time k3")
+    figure = picture(9.0, 5.5, f"{title}\nnumbers: exponent of the weight of time k3")
     axes = figure.subplots()
-    _points(axes, printed, "printed", 1, "x", (5, -11))
-    _points(axes, rows, "flown again", 0, "o", (5, 4))
+    for of, words, index, marker, place in (
+        (printed, "printed", 1, "x", (5, -12)),
+        (rows, "found, flown again", 0, "o", (6, 3)),
+    ):
+        time, energy = (np.array([row[name] for row in of]) for name in ("final_time_s", "net_J"))
+        axes.plot(time, energy, marker, color=colour(index), linestyle="", label=words)
+        exponents = np.log10([row["time_weight"] for row in of])
+        for first, last in _alike(time, energy):
+            text = f"{exponents[first]:.3g}"
+            if last > first:
+                text += f" to {exponents[last]:.3g}"
+            style: dict[str, Any] = {"color": colour(index), "fontsize": 8}
+            where = (time[first], energy[first])
+            axes.annotate(text, where, xytext=place, textcoords="offset points", **style)
+    axes.margins(0.08)
     axes.set_xlabel("final time [s]")
     axes.set_ylabel("net energy [J]")
     axes.legend(frameon=False, loc="upper left")
@@ -60,21 +73,13 @@ def weight_figure(title: str, rows: _Rows, printed: _Rows) -> Picture:
     return figure
 
 
-def _points(
-    axes: Axes, rows: _Rows, words: str, index: int, marker: str, place: tuple[int, int]
-) -> None:
-    time, energy = ([row[name] for row in rows] for name in ("final_time_s", "net_J"))
-    axes.plot(time, energy, marker, color=colour(index), linestyle="", label=words)
-    for row, point in zip(rows, zip(time, energy, strict=True), strict=True):
-        exponent = f"{math.log10(row['time_weight']):.3g}"
-        axes.annotate(
-            exponent,
-            point,
-            xytext=place,
-            textcoords="offset points",
-            color=colour(index),
-            fontsize=8,
-        )
+def _alike(time: Floats, energy: Floats) -> list[tuple[int, int]]:
+    """First and last index of every run of points that the figure cannot tell apart."""
+    points = np.stack([time, energy], axis=1)
+    shares = np.abs(np.diff(points, axis=0)) / np.maximum(np.ptp(points, axis=0), 1e-300)
+    apart = np.flatnonzero((shares > 0.01).any(axis=1))
+    starts, ends = [0, *(apart + 1)], [*apart, len(time) - 1]
+    return [(int(first), int(last)) for first, last in zip(starts, ends, strict=True)]
 
 
 def _table(title: str, headers: Sequence[str]) -> Table:
