@@ -221,6 +221,11 @@ def _findings(scenario: scenarios.Scenario, rows: Sequence[EnergyRow]) -> tuple[
             found.append(f"The PD law earns as much or more in: {', '.join(behind)}.")
     if len(known) > 1:
         found += _on_ends(known, printed)
+    searched = [row.share_at_best for row in rows if row.mode == "harvest"]
+    if searched:
+        least, most = (f"{100.0 * share:.0f}" for share in (min(searched), max(searched)))
+        shares = least if least == most else f"{least} to {most}"
+        found.append(f"Of the starts {shares} % end at the best.")
     missed = [row.label for row in rows if not row.reached]
     if missed:
         found.append(f"Not flown as asked: {', '.join(missed)}.")

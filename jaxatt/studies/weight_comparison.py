@@ -184,7 +184,7 @@ def compare_weights(
     )
     claimed = [net_power(phase).claimed for phase in phases]
     found = weight_findings(rows, printed, claimed, asked.horizon.intervals)
-    missed = _missed(rows, phases)
+    missed = _missed(rows, phases, asked.objective.terminal == "penalty")
     return WeightComparison(scenario, rows, printed, phases, (*found, *missed))
 
 
@@ -219,8 +219,8 @@ def _row(
     return WeightRow(time_weight, net, final_time, attitude, rate, cost)
 
 
-def _missed(rows: Sequence[WeightRow], phases: Sequence[Phase]) -> tuple[str, ...]:
-    """Sentence on the manoeuvres whose cost lets them end off the target."""
+def _missed(rows: Sequence[WeightRow], phases: Sequence[Phase], weighed: bool) -> tuple[str, ...]:
+    """Sentence on manoeuvres that end off the target; weighed : whether their cost lets them."""
     off = [
         f"{row.time_weight:g} ({math.degrees(phase.errors['attitude']):.2g} deg off)"
         for row, phase in zip(rows, phases, strict=True)
@@ -228,4 +228,5 @@ def _missed(rows: Sequence[WeightRow], phases: Sequence[Phase]) -> tuple[str, ..
     ]
     if not off:
         return ()
-    return (f"Outside the tolerances, as the printed cost has it: k3 = {', '.join(off)}.",)
+    why = ", as the cost has it" if weighed else ""
+    return (f"Outside the tolerances{why}: k3 = {', '.join(off)}.",)

@@ -49,6 +49,7 @@ def phase(
             energy=Energy(net + 10.0, 4.0, 6.0, baseline),
             claimed=net if claimed is None else claimed,
             start_energy=np.full(6, net),
+            start_score=np.full(6, net),
             share=0.5,
             minima=2,
             violation=1e-9,
