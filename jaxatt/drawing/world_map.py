@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from importlib import resources
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,6 +14,23 @@ from jaxatt.drawing.figure import tidy
 from jaxatt.runtime.arrays import Floats
 
 LAND, COAST = "#F2EFE6", "#9A9A9A"
+_LONGITUDES, _LATITUDES = (5, 10, 20, 30, 60), (5, 10, 15, 30)
+"""[deg], between lines of the graticule."""
+_LINES = 7
+_SHAPE = 2.0  # width over height
+_ROOM = 20.0  # [deg], around what a part of the map has to show
+
+
+class Part(NamedTuple):
+    """Part of a map; its edges [deg]."""
+
+    west: float
+    east: float
+    south: float
+    north: float
+
+
+WORLD = Part(-180.0, 180.0, -90.0, 90.0)
 
 
 @functools.cache
@@ -40,17 +57,34 @@ def _land() -> tuple[Floats, ...]:
     return tuple(outlines)
 
 
-def world_map(axes: Axes) -> None:
+def world_map(axes: Axes, part: Part = WORLD) -> None:
     """Draw the land and a graticule; longitude and latitude in degrees."""
     axes.add_collection(
         PolyCollection(list(_land()), facecolors=LAND, edgecolors=COAST, linewidths=0.5, zorder=0.5)
     )
-    axes.set_xlim(-180.0, 180.0)
-    axes.set_ylim(-90.0, 90.0)
+    axes.set_xlim(part.west, part.east)
+    axes.set_ylim(part.south, part.north)
     axes.set_aspect("equal")
-    axes.set_xticks(np.arange(-180, 181, 60), [_degrees(x, "WE") for x in range(-180, 181, 60)])
-    axes.set_yticks(np.arange(-90, 91, 30), [_degrees(y, "SN") for y in range(-90, 91, 30)])
+    longitudes = _graticule(part.west, part.east, _LONGITUDES)
+    latitudes = _graticule(part.south, part.north, _LATITUDES)
+    axes.set_xticks(longitudes, [_degrees(x, "WE") for x in longitudes])
+    axes.set_yticks(latitudes, [_degrees(y, "SN") for y in latitudes])
     tidy(axes)
+
+
+def part_around(longitude: Floats, latitude: Floats) -> Part:
+    """Part of the map that shows all of some places (n,) [rad] each, with room around them.
+
+    The whole map where that is half of it or more, or crosses the 180th meridian.
+    """
+    x, y = (np.degrees(longitude) + 180.0) % 360.0 - 180.0, np.degrees(latitude)
+    wide = max(float(np.ptp(x)), _SHAPE * float(np.ptp(y))) + 2.0 * _ROOM
+    if wide >= 180.0:
+        return WORLD
+    west = min(max(0.5 * float(x.min() + x.max() - wide), -180.0), 180.0 - wide)
+    high = wide / _SHAPE
+    south = min(max(0.5 * float(y.min() + y.max() - high), -90.0), 90.0 - high)
+    return Part(west, west + wide, south, south + high)
 
 
 def track(axes: Axes, longitude: Floats, latitude: Floats, **style: Any) -> None:
@@ -59,6 +93,13 @@ def track(axes: Axes, longitude: Floats, latitude: Floats, **style: Any) -> None
     x = (x + 180.0) % 360.0 - 180.0
     leaves = np.flatnonzero(np.abs(np.diff(x)) > 180.0) + 1
     axes.plot(np.insert(x, leaves, np.nan), np.insert(y, leaves, np.nan), **style)
+
+
+def _graticule(first: float, last: float, spacings: tuple[int, ...]) -> list[int]:
+    """Lines [deg] between two edges, the closest of those that are not too many."""
+    spacing = next((s for s in spacings if last - first <= (_LINES - 1) * s), spacings[-1])
+    lines = np.arange(np.ceil(first / spacing), np.floor(last / spacing) + 1) * spacing
+    return [int(line) for line in lines]
 
 
 def _degrees(value: int, letters: str) -> str:

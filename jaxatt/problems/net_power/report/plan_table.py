@@ -17,11 +17,12 @@ from jaxatt.problems.net_power.record import Energy, energy_of, net_power
 from jaxatt.problems.net_power.report.plan_course import is_plan
 from jaxatt.records.phase import Phase
 
-_COLUMNS = ("mode", "start", "time [s]", "flown", "net [J]", "base [J]", "gain [J]")
+_COLUMNS = ("mode", "start", "time\n[s]", "net\n[J]", "PD law\n[J]", "gain\n[J]", "gain\n[%]")
+"""Beside the task's name, the only one that is folded where the terminal is narrow."""
 
 
 def plan_table(answer: Answer) -> Table | None:
-    """Table of a plan; None for a single manoeuvre."""
+    """Table of a plan, 80 columns wide at least; None for a single manoeuvre."""
     if not is_plan(answer):
         return None
     table = Table(
@@ -30,27 +31,33 @@ def plan_table(answer: Answer) -> Table | None:
         box=box.SIMPLE_HEAD,
         title_justify="left",
         caption_justify="left",
+        padding=(0, 1, 0, 0),
+        pad_edge=False,
     )
-    table.add_column("task", no_wrap=True)
+    table.add_column("task", overflow="fold")
     for name in _COLUMNS:
         table.add_column(Text(name), justify="left" if name == "mode" else "right", no_wrap=True)
-    table.add_column(Text("[%]"), justify="right", no_wrap=True)
     orbit = answer.scenario.orbit
     days = None if orbit is None else orbit.days
     for phase in answer.phases:
         found = net_power(phase)
         table.add_row(
-            Text(found.task),
+            _named(phase),
             found.mode,
             clock_text(phase.start_time, days),
             f"{phase.final_time:g}",
-            Text("yes") if phase.reached else Text("no", style="bold red"),
             *_energies(found.energy, gained=found.mode == HARVEST),
         )
     table.add_section()
     for words, of in totals(answer.phases):
-        table.add_row(Text(words), "", "", "", "", *_energies(of, gained=True))
+        table.add_row(Text(words), "", "", "", *_energies(of, gained=True))
     return table
+
+
+def _named(phase: Phase) -> Text:
+    """Name of a task, and whether it fails."""
+    name = Text(net_power(phase).task)
+    return name if phase.reached else name.append(" (not flown)", style="bold red")
 
 
 def totals(phases: Sequence[Phase]) -> list[tuple[str, Energy]]:
@@ -64,7 +71,7 @@ def totals(phases: Sequence[Phase]) -> list[tuple[str, Energy]]:
     if not harvests:
         return found
     found.append(("harvests", energy_of(harvests)))
-    found.append(("  loads aside", _unloaded(energy_of(harvests))))
+    found.append(("loads aside", _unloaded(energy_of(harvests))))
     if len(harvests) > 1:
         longest = max(harvests, key=lambda phase: phase.final_time)
         words = f"but {net_power(longest).task}"
@@ -72,7 +79,7 @@ def totals(phases: Sequence[Phase]) -> list[tuple[str, Energy]]:
         kept = [phase for phase in harvests if phase is not longest]
         found.append((f"all {words}", energy_of(rest)))
         found.append((f"harvests {words}", energy_of(kept)))
-        found.append(("  loads aside", _unloaded(energy_of(kept))))
+        found.append(("loads aside", _unloaded(energy_of(kept))))
     return found
 
 

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 
 from jaxatt.drawing.figure import Picture, picture
-from jaxatt.drawing.world_map import track, world_map
+from jaxatt.drawing.world_map import part_around, track, world_map
 from jaxatt.environment import ground
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.problems.net_power.plan.report.course import Course
@@ -28,7 +29,8 @@ COLOURS = {HARVEST: "#C9A227", IMAGE: "#009E73", COMMUNICATE: "#0072B2", IDLE: "
 """Of the modes of operation, as lines."""
 
 _STEP = 10.0  # [s], of the track
-_ROOM = 4.5  # [deg], between two names
+_ROOM = 0.025  # between two names, as a share of the map's height
+_ASIDE = 0.025  # of a name from its place, as a share of the map's width
 
 
 def ground_track(course: Course, flown: OrbitTask, title: str) -> Picture:
@@ -38,11 +40,13 @@ def ground_track(course: Course, flown: OrbitTask, title: str) -> Picture:
     """
     figure = picture(11.0, 6.0, title)
     axes = figure.subplots()
-    world_map(axes)
-    for task in course.tasks:
-        times = _instants(task)
-        latitude, longitude = _below(flown, times)
-        dark = np.interp(times, course.time, course.light) < 0.5
+    paths = [_below(flown, _instants(task)) for task in course.tasks]
+    sites = [task.site for task in course.tasks if task.site is not None]
+    seen = [np.array([[site.latitude], [site.longitude]]) for site in sites]
+    latitude, longitude = np.concatenate([*map(np.stack, paths), *seen], axis=1)
+    world_map(axes, part_around(longitude, latitude))
+    for task, (latitude, longitude) in zip(course.tasks, paths, strict=True):
+        dark = np.interp(_instants(task), course.time, course.light) < 0.5
         under = np.where(dark, latitude, np.nan)
         track(axes, longitude, under, color=SHADOW, alpha=0.35, linewidth=7.0, zorder=2)
         wide = 1.6 if task.mode == HARVEST else 3.2
@@ -52,8 +56,8 @@ def ground_track(course: Course, flown: OrbitTask, title: str) -> Picture:
         place = np.degrees([task.site.longitude, task.site.latitude])
         axes.plot(*place, marker="x", color=COLOURS[task.mode], markersize=7, zorder=4)
     _names(axes, course.tasks)
-    begin = _below(flown, np.array([course.tasks[0].start]))
-    axes.plot(*np.degrees(begin[::-1]), marker="o", color="black", markersize=5, zorder=5)
+    latitude, longitude = paths[0]
+    axes.plot(*np.degrees([longitude[0], latitude[0]]), marker="o", color="black", markersize=5, zorder=5)
     figure.legend(
         handles=_legend(course), frameon=False, fontsize=8, loc="outside lower center", ncols=6
     )
@@ -72,17 +76,19 @@ def _below(flown: OrbitTask, times: Floats) -> tuple[Floats, Floats]:
 def _names(axes: Axes, tasks: Sequence[Task]) -> None:
     """Write each place's name once, beside it, with room between the names of neighbours."""
     sites = {task.site: task.name for task in reversed(tasks) if task.site is not None}
-    above = np.inf
+    (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
+    room, aside, above = _ROOM * (north - south), _ASIDE * (east - west), np.inf
     for site in sorted(sites, key=lambda site: -site.latitude):
         place = (float(np.degrees(site.longitude)), float(np.degrees(site.latitude)))
-        above = min(place[1] - 1.0, above - _ROOM)
+        above = min(place[1] - 0.25 * room, above - room)
         axes.annotate(
             sites[site],
             place,
-            xytext=(place[0] + 9.0, above),
+            xytext=(place[0] + aside, above),
             fontsize=8,
             va="center",
             zorder=6,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],
             arrowprops={"arrowstyle": "-", "color": "#777777", "linewidth": 0.5},
         )
 

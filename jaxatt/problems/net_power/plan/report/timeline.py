@@ -48,6 +48,7 @@ def timeline_figure(course: Course, title: str, speed_limit: Floats | None = Non
         tidy(axes)
         if axes.get_legend_handles_labels()[0]:
             axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    figure.align_ylabels(column[1:])
     column[-1].set_xlim(course.time[0], course.time[-1])
     clock(column[-1], course.days)
     return figure
@@ -125,9 +126,11 @@ def _power(axes: Axes, course: Course) -> None:
 
 
 def _energy(axes: Axes, course: Course) -> None:
-    axes.plot(course.time, 1e-3 * course.energy, color=colour(0), linewidth=1.6, label="plan")
+    """Draw the energy since the plan's start, whose last values the legend tells."""
+    label = f"plan: {course.energy[-1]:.1f} J"
+    axes.plot(course.time, 1e-3 * course.energy, color=colour(0), linewidth=1.6, label=label)
     if np.isfinite(course.baseline).any():
-        label = "baseline"
+        label = f"PD law: {course.baseline[-1]:.1f} J"
         values = 1e-3 * course.baseline
         axes.plot(course.time, values, color=colour(1), linestyle="--", linewidth=1.3, label=label)
     axes.axhline(0.0, color="#444444", linewidth=0.8)
