@@ -13,7 +13,8 @@ from jaxatt.pipeline.solve import solve
 from jaxatt.report.tables import result_table
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import Scenario, ScenarioError
-from jaxatt.studies.plan_year import STARTS, plan_year, read_dates
+from jaxatt.studies.plan_year import STARTS, plan_year
+from jaxatt.studies.year_dates import read_dates
 
 
 def plan(

@@ -14,6 +14,7 @@ _ERROR_WORDS = {
     "rate": "the target rate",
     "waypoint": "the waypoint's attitude",
     "state": "the target state",
+    "wheel speed": "the wheels' speed at the end",
 }
 
 
@@ -22,9 +23,11 @@ def failure_reason(
     status: Status,
     pointing: PointingRecord | None = None,
     also: Sequence[str] = (),
+    broken_margins: Sequence[str] = (),
 ) -> str:
     """Sentence on the constraints that an answer violates, and on how its solver ended.
 
+    broken_margins : the path constraints that are violated, where they are known by name.
     also : what else is worth telling, before the solver's own ending.
     """
     missed = [
@@ -37,7 +40,9 @@ def failure_reason(
         missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
     broken = [] if pointing is None else [e for e in pointing.extremes if not e.satisfied]
     missed += [broken_limit(extreme) for extreme in broken]
-    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE and not broken:
+    missed += broken_margins
+    named = broken or broken_margins
+    if verdict.margin_violation[0] > Verdict.MARGIN_TOLERANCE and not named:
         missed.append(f"a path constraint is violated by {verdict.margin_violation[0]:.3g}")
     missed += also
     if status not in (Status.CONVERGED, Status.FEASIBLE):

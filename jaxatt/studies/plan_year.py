@@ -3,38 +3,30 @@
 from __future__ import annotations
 
 import csv
-import datetime as dt
 import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from rich import box
-from rich.table import Table as RichTable
-from rich.text import Text
+from rich.table import Table
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
-from jaxatt.drawing.rendering import as_text
-from jaxatt.environment import kepler, sun
-from jaxatt.environment.epoch import J2000, days_since_j2000, parse
+from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.net_power.dates import DatedPlan, plan_on_dates
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.scenario import Orbit, Scenario
-from jaxatt.problems.surroundings import elements_of
+from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling, replacing
 from jaxatt.runtime.json_files import write_json
-from jaxatt.runtime.settings import RUNS_ONCE, check_precision
+from jaxatt.runtime.settings import check_precision
+from jaxatt.studies.year_dates import beta_angle, date_of
+from jaxatt.studies.year_view import beta_figure, year_figure, year_table
 
 STARTS = 4
 """Starts of a harvest on each date, unless others are asked for."""
-_SHOWN = 26
-"""Rows of the table in the terminal; the file has all dates."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,98 +62,41 @@ class Year:
 
     def rows(self) -> list[dict[str, Any]]:
         """One row a date, under the names of the files."""
-        stored = np.isfinite(self.capacity)
-        return [
-            {
-                "date": date_text(day),
-                "beta_deg": float(np.degrees(self.beta[k])),
-                "net_J": _number(self.total[k]),
-                "harvests_J": _number(self.harvested[k]),
-                "baseline_J": _number(self.baseline[k]),
-                "gain_J": _number(self.gain[k]),
-                # Of a baseline that earns: of one that loses, a percentage says nothing.
-                "gain_percent": (
-                    100.0 * float(self.gain[k] / self.baseline[k])
-                    if self.baseline[k] > 0.0
-                    else None
-                ),
-                "least_charge_percent": (
-                    100.0 * float(self.plans.least_charge[k]) / self.capacity if stored else None
-                ),
-                "reached": not self.plans.reason[k],
-                "reason": self.plans.reason[k],
-            }
-            for k, day in enumerate(self.plans.days)
-        ]
+        return [self._row(k) for k in range(len(self.plans.days))]
 
-    def table(self) -> RichTable:
+    def _row(self, k: int) -> dict[str, Any]:
+        # Of a baseline that earns: of one that loses, a percentage says nothing.
+        share = self.gain[k] / self.baseline[k] if self.baseline[k] > 0.0 else np.nan
+        stored = np.isfinite(self.capacity) and self.plans.reached[k]
+        least = self.plans.least_charge[k] if stored else np.nan
+        return {
+            "date": f"{date_of(self.plans.days[k]):%Y-%m-%d}",
+            "beta_deg": float(np.degrees(self.beta[k])),
+            "net_J": _number(self.total[k]),
+            "harvests_J": _number(self.harvested[k]),
+            "baseline_J": _number(self.baseline[k]),
+            "gain_J": _number(self.gain[k]),
+            "gain_percent": _number(100.0 * share),
+            "least_charge_percent": _number(100.0 * least / self.capacity),
+            "reached": not self.plans.reason[k],
+            "reason": self.plans.reason[k],
+        }
+
+    def table(self) -> Table:
         """Table of some dates, evenly apart, and of all that fail."""
-        rows = self.rows()
-        picked = sorted({round(k) for k in np.linspace(0, len(rows) - 1, min(_SHOWN, len(rows)))})
-        table = RichTable(
-            title=Text(f"{self.scenario.title}: {len(rows)} dates", style="bold"),
-            caption=Text(self._caption(len(picked) < len(rows))),
-            box=box.SIMPLE_HEAD,
-            title_justify="left",
-            caption_justify="left",
-        )
-        names = ("date", "beta [deg]", "all tasks [J]", "harvests [J]", "baseline [J]", "gain [J]")
-        for name in (*names, "[%]", "least charge [%]"):
-            table.add_column(Text(name), justify="left" if name == "date" else "right")
-        keys = ("net_J", "harvests_J", "baseline_J", "gain_J", "gain_percent")
-        for k in picked:
-            row = rows[k]
-            cells = ["" if row[key] is None else f"{row[key]:.1f}" for key in keys]
-            least = row["least_charge_percent"]
-            charge = "" if least is None else f"{least:.1f}"
-            table.add_row(row["date"], f"{row['beta_deg']:.1f}", *cells, charge)
-        return table
-
-    def _caption(self, some: bool) -> str:
-        lines = ["Some of the dates; year.csv has all."] if some else []
-        if self.plans.reached.any():
-            gain = self.gain[self.plans.reached]
-            lines.append(
-                f"Gain over the PD law: {gain.min():.1f} to {gain.max():.1f} J, mean "
-                f"{gain.mean():.1f} J; {self.starts} starts a harvest, seed {self.seed}."
-            )
-        failed = [(r["date"], r["reason"]) for r in self.rows() if not r["reached"]]
-        lines.append(
-            f"{len(failed)} of {len(self.plans.days)} dates cannot be flown."
-            if failed
-            else "The plan can be flown on all dates."
-        )
-        lines += [f"{date}: {reason}" for date, reason in failed]
-        return "\n".join(lines)
+        made = f"{self.starts} starts a harvest, seed {self.seed}."
+        return year_table(self.scenario.title, self.rows(), made)
 
     def plot(self) -> Picture:
         """Plot energies, gain, least charge and the sun's height over the date."""
-        dates = [J2000 + dt.timedelta(days=float(day)) for day in self.plans.days]
-        stored = np.isfinite(self.capacity)
-        figure = picture(9.0, 8.6 if stored else 6.8, self.scenario.title)
-        column = figure.subplots(4 if stored else 3, 1, sharex=True)
-        for values, index, words in ((self.harvested, 0, "plan"), (self.baseline, 1, "PD law")):
-            column[0].plot(dates, 1e-3 * values, color=colour(index), label=words, linewidth=1.5)
-        column[0].set_ylabel("harvests [kJ]")
-        column[0].legend(frameon=False, fontsize=8)
-        column[1].plot(dates, self.gain, color=colour(2), linewidth=1.5)
-        column[1].set_ylabel("gain [J]")
-        column[1].set_ylim(bottom=0.0)
-        if stored:
-            least = 100.0 * self.plans.least_charge / self.capacity
-            column[2].plot(dates, least, color=colour(3), linewidth=1.5)
-            column[2].set_ylabel("least charge [%]")
-        column[-1].plot(dates, np.degrees(self.beta), color=colour(6), linewidth=1.2)
-        column[-1].set_ylabel("beta angle [deg]")
-        for axes in column:
-            tidy(axes)
-            for date, failed in zip(dates, ~self.plans.reached, strict=True):
-                if failed:
-                    axes.axvline(date, color="#D55E00", linewidth=0.8, alpha=0.6)
-        return figure
+        return year_figure(self.scenario.title, self.rows(), self.plans.days)
+
+    def plot_beta(self) -> Picture:
+        """Plot energy and gain over the sun's height."""
+        return beta_figure(self.scenario.title, self.rows(), self.plans.days)
 
     def save(self, folder: str | Path) -> list[Path]:
-        """Write year.csv, year.json and year.png; return the files."""
+        """Write year.csv, year.json, year.png and beta.png; return the files."""
         rows = self.rows()
         with filling(folder) as partial:
             text = io.StringIO()
@@ -179,7 +114,9 @@ class Year:
             }
             write_json(numbers, partial / "year.json")
             save_figure(self.plot(), partial / "year.png")
-        return [Path(folder) / name for name in ("year.csv", "year.json", "year.png")]
+            save_figure(self.plot_beta(), partial / "beta.png")
+        names = ("year.csv", "year.json", "year.png", "beta.png")
+        return [Path(folder) / name for name in names]
 
     def __repr__(self) -> str:
         flown = int(self.plans.reached.sum())
@@ -187,6 +124,9 @@ class Year:
 
     def __str__(self) -> str:
         return as_text(self.table())
+
+    def _repr_html_(self) -> str:
+        return as_html(self.table())
 
 
 def plan_year(
@@ -225,48 +165,6 @@ def plan_year(
         count,
         chosen,
     )
-
-
-def read_dates(text: str, scenario: Scenario) -> Floats:
-    """Epochs (D,), days since J2000, of "first:last" or "first:last:step", at the plan's hour.
-
-    step : in days, 1 by default.  Raises `ScenarioError`.
-    """
-    first, last, step = (*text.split(":"), "1")[:3] if text.count(":") in (1, 2) else ("", "", "")
-    try:
-        ends = [days_since_j2000(parse(each)) for each in (first, last)]
-        apart = float(step)
-    except ValueError:
-        raise ScenarioError(
-            f"--dates {text}: write the first and the last date and, if you like, the days "
-            "between, such as 2023-01-01:2023-12-31:7"
-        ) from None
-    if ends[1] < ends[0] or not 0.0 < apart < float("inf"):
-        raise ScenarioError(f"--dates {text}: the last date must not come before the first")
-    hour = 0.0
-    if scenario.orbit is not None and scenario.orbit.days is not None:
-        hour = (scenario.orbit.days + 0.5) % 1.0
-    count = int((ends[1] - ends[0]) / apart + 1e-9) + 1
-    return np.asarray(ends[0] + hour + apart * np.arange(count, dtype=float), np.float64)
-
-
-def date_text(days: float) -> str:
-    """The date of an epoch, days since J2000."""
-    return f"{J2000 + dt.timedelta(days=float(days)):%Y-%m-%d}"
-
-
-def beta_angle(orbit: Orbit, days: Floats) -> Floats:
-    """Angle (D,) [rad] of the sun above the plane of the orbit, which stays where it is."""
-    return np.asarray(_beta(elements_of(orbit), orbit.gravitational_parameter, jnp.asarray(days)))
-
-
-def _above(elements: kepler.KeplerianElements, mu: float, days: jax.Array) -> jax.Array:
-    normal = jnp.cross(*kepler.to_state(elements, mu))
-    normal = normal / jnp.linalg.norm(normal)
-    return jnp.arcsin(jnp.sum(sun.sun_direction(days) * normal[None], axis=-1))
-
-
-_beta = jax.jit(_above, compiler_options=RUNS_ONCE)
 
 
 def _number(value: float) -> float | None:

@@ -11,8 +11,10 @@ import numpy as np
 from jaxatt.environment import igrf
 from jaxatt.environment.epoch import J2000, decimal_year
 from jaxatt.optimize.status import Status
+from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power.baseline import fly_baseline
+from jaxatt.problems.net_power.broken_margins import broken_margins
 from jaxatt.problems.net_power.build import beginning, options_of
 from jaxatt.problems.net_power.flight import PoweredFlight, fly_many
 from jaxatt.problems.net_power.found import Solved
@@ -38,7 +40,7 @@ class DatedPlan:
     """A plan on D dates, of T tasks.
 
     days : (D,), epochs since J2000.  net, baseline : (D, T) [J], by the flights; not a number after
-    a task that was not flown as asked.  least_charge : (D,) [J].
+    a task that was not flown as asked.  least_charge : (D,) [J], until then.
     reason : why a date's plan cannot be flown, and which task; empty where it can.
     """
 
@@ -109,7 +111,7 @@ def plan_on_dates(
             verdict, base = judge_flight(manoeuvres[0], flight), flight
             if stage is not None:
                 stage("flying", len(rows))
-        _note(dates, rows, index, task, flight, verdict, base)
+        _note(dates, rows, index, task, manoeuvres, flight, verdict, base)
     return DatedPlan(days, dates.net, dates.baseline, dates.least, tuple(dates.reason))
 
 
@@ -192,6 +194,7 @@ def _note(
     rows: Sequence[int],
     index: int,
     task: Task,
+    manoeuvres: Sequence[Manoeuvre],
     flight: PoweredFlight,
     verdict: Verdict,
     base: PoweredFlight,
@@ -200,28 +203,18 @@ def _note(
     for place, k in enumerate(rows):
         dates.least[k] = min(dates.least[k], float(flight.energy.least_charge[place]))
         if not verdict.reached[place]:
-            dates.reason[k] = f'task {index + 1} "{task.name}": {_why(verdict, place)}'
+            why = failure_reason(
+                verdict.pick(np.array([place])),
+                Status.CONVERGED,
+                broken_margins=broken_margins(manoeuvres[place], flight, place),
+            )
+            dates.reason[k] = f'task {index + 1} "{task.name}": {why}'
             continue
         dates.net[k, index] = flight.energy.net_J[place]
         dates.baseline[k, index] = base.energy.net_J[place]
         ends = (flight.q_ib, flight.omega_ib, flight.omega_bw)
         dates.motion[k] = Motion(*(part[place, -1] for part in ends))
         dates.charge[k] = flight.energy.charge[place, -1]
-
-
-def _why(verdict: Verdict, place: int) -> str:
-    """What stands in the way of a flight."""
-    words = [
-        f"{name} missed by {error[place] / verdict.tolerances[name]:.3g} times its tolerance"
-        for name, error in verdict.errors.items()
-        if not error[place] <= verdict.tolerances[name]
-    ]
-    if verdict.limit_violation[place] > Verdict.LIMIT_TOLERANCE:
-        words.append(f"a torque limit is exceeded by {verdict.limit_violation[place]:.3g} N m")
-    if verdict.margin_violation[place] > Verdict.MARGIN_TOLERANCE:
-        share = 100.0 * verdict.margin_violation[place]
-        words.append(f"a wheel's speed or the battery's floor is missed by {share:.3g} %")
-    return "; ".join(words)
 
 
 def _named(report: Report | None, task: Task, index: int, count: int) -> Report | None:

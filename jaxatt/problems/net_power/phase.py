@@ -13,6 +13,7 @@ from jaxatt.environment import frames, kepler, orbit
 from jaxatt.environment.eclipse_times import Eclipse, eclipses
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
+from jaxatt.problems.net_power.broken_margins import broken_margins
 from jaxatt.problems.net_power.flight import PoweredFlight
 from jaxatt.problems.net_power.found import Flown
 from jaxatt.problems.net_power.judge import judge_flight
@@ -144,7 +145,12 @@ def phase_of(
         reached=reached,
         failure_reason=""
         if reached
-        else failure_reason(verdict, Status(int(solved.status[best])), also=flown.notes),
+        else failure_reason(
+            verdict,
+            Status(int(solved.status[best])),
+            also=flown.notes,
+            broken_margins=broken_margins(manoeuvre, flight, best),
+        ),
         active=active[best].any(axis=1),
         starts=StartsRecord(
             status=solved.status,

@@ -57,7 +57,9 @@ def ground_track(course: Course, flown: OrbitTask, title: str) -> Picture:
         axes.plot(*place, marker="x", color=COLOURS[task.mode], markersize=7, zorder=4)
     _names(axes, course.tasks)
     latitude, longitude = paths[0]
-    axes.plot(*np.degrees([longitude[0], latitude[0]]), marker="o", color="black", markersize=5, zorder=5)
+    axes.plot(
+        *np.degrees([longitude[0], latitude[0]]), marker="o", color="black", markersize=5, zorder=5
+    )
     figure.legend(
         handles=_legend(course), frameon=False, fontsize=8, loc="outside lower center", ncols=6
     )
