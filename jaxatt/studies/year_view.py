@@ -20,7 +20,7 @@ Row = Mapping[str, Any]
 """A date, under the names of the files; None where a number is not known."""
 
 _SHOWN = 26
-"""Rows of the table in the terminal; the file has all dates."""
+"""Rows of the table in the terminal, and lines on dates that fail; the file has all dates."""
 _COLUMNS = {
     "beta_deg": "beta\n[deg]",
     "net_J": "all tasks\n[J]",
@@ -67,7 +67,10 @@ def _caption(rows: Sequence[Row], some: bool, last_line: str) -> list[str]:
     told = "The plan can be flown on all dates."
     if failed:
         told = f"{len(failed)} of {len(rows)} dates cannot be flown:"
-    return [*lines, told, *failed, last_line]
+    shown = failed if len(failed) <= _SHOWN else failed[: _SHOWN - 1]
+    if len(shown) < len(failed):
+        shown.append(f"and {len(failed) - len(shown)} more, with their reasons in year.csv")
+    return [*lines, told, *shown, last_line]
 
 
 def year_figure(title: str, rows: Sequence[Row], days: Floats) -> Picture:
