@@ -31,6 +31,8 @@ from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import Report
 
+_AT_ONCE = 64
+"""Dates that go through a task together, which bounds the memory of a year."""
 _TRIES = 3
 """Answers of a date that are flown, the best by the solver's count first, until one reaches."""
 
@@ -83,6 +85,29 @@ def plan_on_dates(
     those of the dates, and so targets on the ground are not looked for.
     days : (D,), epochs since J2000.  starts : of every harvest on every date.
     """
+    parts = []
+    for first in range(0, len(days), _AT_ONCE):
+        some = days[first : first + _AT_ONCE]
+        name = f"dates {first + 1} to {first + len(some)} of {len(days)}"
+        room = min(_AT_ONCE, len(days))
+        parts.append(_plan_on_some(scenario, some, starts, seed, room, _named(report, name)))
+    return DatedPlan(
+        days,
+        np.concatenate([part.net for part in parts]),
+        np.concatenate([part.baseline for part in parts]),
+        np.concatenate([part.least for part in parts]),
+        tuple(reason for part in parts for reason in part.reason),
+    )
+
+
+def _plan_on_some(
+    scenario: Scenario, days: Floats, starts: int, seed: int, room: int, report: Report | None
+) -> _Dates:
+    """Solve the plan on so many dates as go through a task together.
+
+    room : of the compiled programmes, so that they serve the dates that are left after others
+    failed, and the last of the year, too.
+    """
     options = options_of(scenario)
     satellites, reasons = _satellites(scenario, days)
     motion, charge = beginning(scenario, PhaseStart())
@@ -101,18 +126,16 @@ def plan_on_dates(
         if not rows:
             break
         manoeuvres = [_manoeuvre(scenario, dates, index, k) for k in rows]
-        stage = _named(report, task, index, len(tasks))
+        stage = _named(report, f"task {index + 1} of {len(tasks)}, {task.name}")
         if task.searched:
-            flight, verdict = _harvests(manoeuvres, starts, seed, stage)
+            flight, verdict = _harvests(manoeuvres, starts, seed, stage, room)
             law = options.baseline
             base = flight if law is None else fly_baseline(manoeuvres, law)
         else:
             flight = fly_held(manoeuvres, np.tile(held_rate(task), (len(rows), 1)))
             verdict, base = judge_flight(manoeuvres[0], flight), flight
-            if stage is not None:
-                stage("flying", len(rows))
         _note(dates, rows, index, task, manoeuvres, flight, verdict, base)
-    return DatedPlan(days, dates.net, dates.baseline, dates.least, tuple(dates.reason))
+    return dates
 
 
 def _satellites(scenario: Scenario, days: Floats) -> tuple[list[Satellite | None], list[str]]:
@@ -156,10 +179,10 @@ def _manoeuvre(scenario: Scenario, dates: _Dates, index: int, k: int) -> Manoeuv
 
 
 def _harvests(
-    manoeuvres: Sequence[Manoeuvre], starts: int, seed: int, report: Report | None
+    manoeuvres: Sequence[Manoeuvre], starts: int, seed: int, report: Report | None, room: int
 ) -> tuple[PoweredFlight, Verdict]:
     """Search a harvest on all dates, and fly the best answer of each that reaches."""
-    solved = search_wheels(manoeuvres, starts, seed, report, shared=True)
+    solved = search_wheels(manoeuvres, starts, seed, report, shared=True, room=room)
     ranks = [_ranked(answers) for answers in solved]
     chosen = [0] * len(manoeuvres)
     for attempt in range(min(_TRIES, min(len(rank) for rank in ranks))):
@@ -217,8 +240,7 @@ def _note(
         dates.charge[k] = flight.energy.charge[place, -1]
 
 
-def _named(report: Report | None, task: Task, index: int, count: int) -> Report | None:
+def _named(report: Report | None, name: str) -> Report | None:
     if report is None:
         return None
-    name = f"task {index + 1} of {count}, {task.name}"
-    return lambda stage, done: report(f"{stage} ({name})", done)
+    return lambda stage, done: report(f"{stage}; {name}", done)

@@ -69,12 +69,17 @@ def solve_starts(
     settings: InteriorSettings | None = None,
     report: Report | None = None,
     rows: int | None = None,
+    room: int = 1,
 ) -> InteriorSolution:
-    """Solve from all starts of tasks that have one form, and gather the results on the host."""
-    several = len(tasks) > 1
+    """Solve from all starts of tasks that have one form, and gather the results on the host.
+
+    rows : starts in one compiled call.  room : tasks that the call has room for, at least.
+    """
+    several = max(len(tasks), room) > 1
     parameters: Any = tasks[0].parameters
     if several:
-        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in tasks))
+        filled = [*tasks, *tasks[:1] * (room - len(tasks))]
+        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in filled))
     found: InteriorSolution = run_starts(
         InteriorPoint(settings or settings_for(tasks[0].form)),
         WheelsJob(tasks[0].form, several),

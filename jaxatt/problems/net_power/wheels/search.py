@@ -14,7 +14,7 @@ from jaxatt.problems.net_power.judge import judge_manoeuvre
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.batch import solve_starts
 from jaxatt.problems.net_power.wheels.lengths import shared_length
-from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts
+from jaxatt.problems.net_power.wheels.starts import Starts, draw_all
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
@@ -34,20 +34,21 @@ def search_wheels(
     seed: int,
     report: Report | None = None,
     shared: bool = False,
+    room: int = 1,
 ) -> tuple[Solved, ...]:
     """Solve from `count` starts each, for several manoeuvres of one shape in one batch.
 
     manoeuvres : of one number of intervals, one kind of satellite and one kind of end.
     shared : whether to fill their intervals up to a length that other manoeuvres have, too, so that
     they share a compiled program.
+    room : manoeuvres that the program has room for, at least; so that it serves fewer, too.
 
     Where the best answers do not end where the solver says when they are flown finely, all are
     solved again with more Runge-Kutta steps an interval, from where they are.
     """
     size = shared_length(manoeuvres[0].intervals) if shared else None
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
-    parts = [draw_starts(task, count, seed) for task in tasks]
-    return solve_in_fine_steps(tasks, parts, report)[1]
+    return solve_in_fine_steps(tasks, draw_all(tasks, count, seed), report, room=room)[1]
 
 
 def solve_in_fine_steps(
@@ -55,10 +56,11 @@ def solve_in_fine_steps(
     parts: Sequence[Starts],
     report: Report | None = None,
     rows: int | None = None,
+    room: int = 1,
 ) -> tuple[Sequence[WheelsTask], tuple[Solved, ...]]:
     """Solve tasks of one form from given starts, with as many steps an interval as they ask for.
 
-    parts : starts of each task.  rows : starts in one compiled call.
+    parts : starts of each task.  rows : starts in one compiled call.  room : see `search_wheels`.
     Returns the tasks with those steps, and the answers; see `search_wheels`.
     """
     manoeuvres, starts = [task.manoeuvre for task in tasks], _together(parts)
@@ -66,14 +68,14 @@ def solve_in_fine_steps(
     if manoeuvres[0].substeps is None:
         steps = _substeps(starts)
         tasks = [wheels_task(manoeuvre, steps, size) for manoeuvre in manoeuvres]
-    solution = solve_starts(tasks, starts, report=report, rows=rows)
+    solution = solve_starts(tasks, starts, report=report, rows=rows, room=room)
     found = _solved(tasks, starts, solution)
     substeps = tasks[0].form.substeps
     while substeps < _MOST_SUBSTEPS and _too_coarse(manoeuvres, found):
         substeps *= 2
         tasks = [wheels_task(manoeuvre, substeps, size) for manoeuvre in manoeuvres]
         starts = continued(starts, solution)
-        solution = solve_starts(tasks, starts, report=report, rows=rows)
+        solution = solve_starts(tasks, starts, report=report, rows=rows, room=room)
         found = _solved(tasks, starts, solution)
     return tasks, found
 

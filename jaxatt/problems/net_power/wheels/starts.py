@@ -6,6 +6,7 @@ A start is what the satellite does when it follows such a way, so that its state
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -41,17 +42,29 @@ class Starts(NamedTuple):
 
 def draw_starts(task: WheelsTask, count: int, seed: int) -> Starts:
     """Draw starts of a task; start i depends on the seed and on i only."""
-    count_of_intervals = task.manoeuvre.intervals
-    step = task.manoeuvre.step
-    way = ways(task, count, seed)
-    times = step * np.arange(count_of_intervals + 2)
-    return follow(task, references(task, way, times))
+    return draw_all([task], count, seed)
 
 
-def follow(task: WheelsTask, attitudes: Floats) -> Starts:
-    """Fly along attitudes (S, N + 2, 4) by feedback, from where the manoeuvre begins."""
-    p, form, h = task.parameters, task.form, task.manoeuvre.step
-    count, intervals = len(attitudes), attitudes.shape[1] - 2
+def draw_all(tasks: Sequence[WheelsTask], count: int, seed: int) -> Starts:
+    """Draw `count` starts for each of some tasks of one satellite, form and length.
+
+    All are flown side by side: the flight takes as many calls of NumPy for a year's dates as for
+    one start.
+    """
+    manoeuvre = tasks[0].manoeuvre
+    times = manoeuvre.step * np.arange(manoeuvre.intervals + 2)
+    along = [references(task, ways(task, count, seed), times) for task in tasks]
+    return follow(tasks, np.stack(along))
+
+
+def follow(tasks: Sequence[WheelsTask], attitudes: Floats) -> Starts:
+    """Fly along attitudes (T, S, N + 2, 4) by feedback, from where each of T tasks begins."""
+    p, form, h = tasks[0].parameters, tasks[0].form, tasks[0].manoeuvre.step
+    of = np.repeat(np.arange(len(tasks)), attitudes.shape[1])
+    attitudes = attitudes.reshape(-1, *attitudes.shape[2:])
+    intervals = attitudes.shape[1] - 2
+    begun = np.stack([np.asarray(task.parameters.start) for task in tasks])[of]
+    total = np.stack([np.asarray(task.parameters.total) for task in tasks])[of]
     without, inverse = np.asarray(p.without_spin), np.asarray(p.inverse)
     axes, limit = np.asarray(p.axes), np.asarray(p.torque_limit)
     spread = (axes.T @ np.asarray(p.spread)) / limit[:, None]
@@ -59,12 +72,10 @@ def follow(task: WheelsTask, attitudes: Floats) -> Starts:
     to_rate = np.asarray(p.to_rate)
     rates = logarithm(product(conjugate(attitudes[:, :-1]), attitudes[:, 1:])) / h
     bandwidth = min(_FASTEST, _BANDWIDTH / h)
-    total = np.asarray(p.total)
-    q = np.broadcast_to(np.asarray(p.start[:4]), (count, 4))
-    y = np.broadcast_to(np.asarray(p.start[4 : 4 + form.stored]), (count, form.stored))
+    q, y = begun[:, :4], begun[:, 4 : 4 + form.stored]
     states, controls = [], []
     for k in range(intervals):
-        momentum = rotated(conjugate(q), np.broadcast_to(total, (count, 3)))
+        momentum = rotated(conjugate(q), total)
         lost = y @ to_rate.T
         omega = momentum @ inverse.T - lost
         # Where the way will be in the middle of the interval, with half of the rate's change.
@@ -84,16 +95,23 @@ def follow(task: WheelsTask, attitudes: Floats) -> Starts:
     states.append((q, y))
     parts = [np.stack([s[i] for s in states], axis=1) for i in range(2)]
     if form.torqued:
-        parts.append(np.broadcast_to(p.start[4 + form.stored :][:3], (count, intervals + 1, 3)))
+        parts.append(_kept(begun[:, 4 + form.stored :][:, :3], intervals))
     x = np.concatenate(parts, axis=2)
     scaled = np.stack(controls, axis=1)
     if form.charge:
-        x = np.concatenate([x, np.broadcast_to(p.start[-1], (count, intervals + 1, 1))], axis=2)
-    u = _filled(_with_powers(task, x, scaled), len(np.asarray(p.stages.step)) - intervals)
+        x = np.concatenate([x, _kept(begun[:, -1:], intervals)], axis=2)
+    u = _filled(
+        _with_powers(tasks[0], total, x, scaled), len(np.asarray(p.stages.step)) - intervals
+    )
     x = _filled(x, u.shape[1] + 1 - x.shape[1], still=True)
-    reference = np.asarray(p.reference)
-    sign = np.where(q @ reference < 0.0, -1.0, 1.0)
-    return Starts(u, x, sign[:, None] * reference, np.zeros(count, int))
+    reference = np.stack([np.asarray(task.parameters.reference) for task in tasks])[of]
+    sign = np.where(np.sum(q * reference, axis=1) < 0.0, -1.0, 1.0)
+    return Starts(u, x, sign[:, None] * reference, of)
+
+
+def _kept(first: Floats, intervals: int) -> Floats:
+    """States (S, N + 1, c) that stay as they begin, (S, c)."""
+    return np.repeat(first[:, None], intervals + 1, axis=1)
 
 
 def _filled(along: Floats, more: int, still: bool = False) -> Floats:
@@ -102,13 +120,13 @@ def _filled(along: Floats, more: int, still: bool = False) -> Floats:
     return np.concatenate([along, np.repeat(last, more, axis=1)], axis=1)
 
 
-def _with_powers(task: WheelsTask, x: Floats, scaled: Floats) -> Floats:
-    """Controls of the programme: torques, and what else it has."""
+def _with_powers(task: WheelsTask, total: Floats, x: Floats, scaled: Floats) -> Floats:
+    """Controls of the programme: torques, and what else it has; total : (S, 3), momenta."""
     p, form = task.parameters, task.form
     parts = [scaled]
     if form.powers:
         torque = scaled * np.asarray(p.torque_limit)
-        speeds = _speeds(task, x)
+        speeds = _speeds(task, total, x)
         if form.power == "body":
             pushed = torque @ np.asarray(p.axes).T
             ends = [
@@ -123,11 +141,11 @@ def _with_powers(task: WheelsTask, x: Floats, scaled: Floats) -> Floats:
     return np.concatenate(parts, axis=-1)
 
 
-def _speeds(task: WheelsTask, x: Floats) -> Floats:
+def _speeds(task: WheelsTask, total: Floats, x: Floats) -> Floats:
     """Wheel speeds as the power needs them at all nodes; see `coordinates.wheel_speeds`."""
     p, form = task.parameters, task.form
     y = x[..., 4 : 4 + form.stored]
-    momentum = rotated(conjugate(x[..., :4]), np.asarray(p.total))
+    momentum = rotated(conjugate(x[..., :4]), total[:, None])
     omega = momentum @ np.asarray(p.inverse).T - y @ np.asarray(p.to_rate).T
     axes, inertia = np.asarray(p.axes), np.asarray(p.wheel_inertia)
     if not form.each:

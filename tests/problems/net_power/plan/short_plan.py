@@ -12,7 +12,9 @@ DOCUMENT: dict[str, Any] = {
     "vehicle": {
         "use": "hypso1-solar",
         "battery": {"capacity_Wh": 1.0, "charge_percent": 50.0},
-        "loads": {"harvest_W": 4.0, "image_W": 8.0, "communicate_W": 10.0},
+        "loads": {"harvest_W": 12.0, "image_W": 8.0, "communicate_W": 10.0},
+        # So poor that the turn that earns the most is far from the fastest.
+        "wheels": {"efficiency": 0.1},
     },
     "orbit": {
         "semi_major_axis_km": 6905.1,
@@ -28,10 +30,11 @@ DOCUMENT: dict[str, Any] = {
         "attitude_quaternion": [0.0, 0.0, 1.0, 0.0],
         "wheel_speed_rad_s": [0.0, 0.0, 0.0],
     },
-    "objective": {"kind": "net-power", "wheel_power": "signed"},
+    "objective": {"kind": "net-power", "wheel_power": "body"},
     "baseline": {"attitude_gain_Nm": 8e-2, "rate_gain_Nm_s": 0.108, "turn_back_s": 20.0},
     "solver": {"starts": 4, "seed": 0},
     "horizon": {"step_s": 1.25},
+    "limits": {"least_charge_percent": 10.0},
     "plan": {"joint": False},
     "tasks": [
         {"name": "first harvest", "mode": "harvest", "duration_s": 40.0},

@@ -1,0 +1,174 @@
+"""A plan of four short tasks from end to end: in sequence, above a floor, together, over dates."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from short_plan import short_plan
+
+import jaxatt
+from jaxatt import scenarios
+from jaxatt.drawing.rendering import as_text
+from jaxatt.optimize.status import Status
+from jaxatt.problems.net_power import improve
+from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.plan.joint.solve import JointAnswer
+from jaxatt.problems.net_power.pose import Pose, angle_between
+from jaxatt.problems.net_power.record import energy_of, net_power
+from jaxatt.report.tables import result_table
+from jaxatt.studies.plan_year import plan_year
+
+CAPACITY = 3600.0  # [J]
+SIGHTLESS = {"plan.least_elevation_deg": -90.0}
+"""Other dates have the targets elsewhere."""
+
+
+def planned(changes=None):
+    return jaxatt.solve(scenarios.from_mapping(short_plan(changes)))
+
+
+def torques(plan):
+    """Torques of the harvests, None for the other tasks."""
+    return tuple(
+        phase.series["torque_wheels"] if net_power(phase).mode == "harvest" else None
+        for phase in plan.phases
+    )
+
+
+@pytest.fixture(scope="module")
+def sequence():
+    """Solved task after task; the floor is far below."""
+    return planned()
+
+
+@pytest.fixture(scope="module")
+def together():
+    return planned({"plan.joint": True})
+
+
+def test_every_task_begins_where_the_one_before_ended(sequence):
+    assert sequence.reached
+    time = 0.0
+    for before, after in zip(sequence.phases, sequence.phases[1:], strict=False):
+        time += before.final_time
+        assert after.start_time == pytest.approx(time)
+        end, begin = before.series, after.series
+        assert angle_between(end["q_ib"][-1], begin["q_ib"][0]) < 1e-9
+        assert begin["charge"][0] == pytest.approx(end["charge"][-1], abs=1e-9)
+        assert begin["net_energy"][0] == 0.0
+    whole = energy_of(sequence.phases)
+    charge = [phase.series["charge"] for phase in sequence.phases]
+    assert whole.final_charge == charge[-1][-1]
+    assert charge[-1][-1] - charge[0][0] == pytest.approx(whole.net, abs=1e-6)
+    assert whole.least_charge == min(part.min() for part in charge)
+
+
+def test_imaging_turns_at_its_rate_over_the_whole_task(sequence):
+    imaging, task = sequence.phases[1], options_of(sequence.scenario).tasks[1]
+    rate = np.deg2rad([0.0, -0.754, 0.0])
+    q, omega = imaging.series["q_ib"], imaging.series["omega_ib"]
+    np.testing.assert_allclose(omega, np.tile(rate, (len(omega), 1)), atol=1e-12)
+    begun = Pose(q[0], rate)
+    assert angle_between(begun.q_ib, task.pose.q_ib) < task.attitude_tolerance
+    for share in (0.5, 1.0):
+        node = round(share * (len(q) - 1))
+        assert angle_between(q[node], begun.after(share * task.duration).q_ib) < 1e-9
+    # It is the harvest before that sets the body turning.
+    ended = sequence.phases[0].series["omega_ib"][-1]
+    assert np.linalg.norm(ended - rate) < task.rate_tolerance
+
+
+def test_each_harvest_earns_more_than_the_law(sequence):
+    for phase in sequence.phases:
+        gain = net_power(phase).energy.gain
+        assert gain > 1.0 if net_power(phase).mode == "harvest" else abs(gain) < 1e-9
+
+
+def test_the_floor_of_the_battery_binds(sequence):
+    free = sequence.phases[0].series["charge"]
+    floor = free.min() + RAISED
+    held = planned({"limits.least_charge_percent": 100.0 * floor / CAPACITY})
+    charge = held.phases[0].series["charge"]
+    assert held.reached
+    assert floor - 1e-3 <= charge.min() <= floor + 0.1
+    lost = net_power(sequence.phases[0]).energy.net - net_power(held.phases[0]).energy.net
+    assert lost > 0.01
+
+
+def test_a_floor_that_no_turn_can_hold_is_told_with_the_task_and_what_is_missing(sequence):
+    floor = sequence.phases[0].series["charge"].min() + TOO_MUCH
+    failed = planned({"limits.least_charge_percent": 100.0 * floor / CAPACITY})
+    first = failed.phases[0]
+    assert not failed.reached and not first.reached
+    missing = (floor - first.series["charge"].min()) / 3600.0
+    words = f"the battery falls {missing:.3g} Wh below its floor of {floor / 3600.0:.4g} Wh"
+    assert words in first.failure_reason
+    text = " ".join(as_text(result_table(failed), 80).split())
+    assert 'Task 1 "first harvest" is not flown as asked' in text and words in text
+
+
+def test_together_is_no_worse_than_in_sequence(sequence, together):
+    joint = together.extra["joint"]
+    assert together.reached and joint["kept"]
+    assert joint["gain_J"] >= 0.0
+    earned = energy_of(together.phases).net
+    assert earned == pytest.approx(energy_of(sequence.phases).net + joint["gain_J"], abs=1e-6)
+    text = " ".join(as_text(result_table(together), 80).split())
+    assert f"{joint['gain_J']:+.3f} J over the sequence (kept;" in text
+
+
+@pytest.mark.parametrize("fault", ["misses", "earns less"])
+def test_the_sequence_is_kept_where_the_joint_answer_is_worse(sequence, monkeypatch, fault):
+    """An answer that does not arrive, and one that does but wastes energy on the way."""
+    given = torques(sequence)
+    if fault == "misses":
+        given = tuple(None if torque is None else 0.0 * torque for torque in given)
+    else:
+        poorer = planned({"solver.seed": POORER, "solver.starts": 1})
+        assert poorer.reached
+        given = torques(poorer)
+    answer = JointAnswer(given, (None,) * 4, Status.CONVERGED, 0.0, 0.0, 7)
+    monkeypatch.setattr(improve, "solve_jointly", lambda *_, **__: answer)
+    scenario = scenarios.from_mapping(short_plan({"plan.joint": True}))
+    kept = improve.improved(scenario, sequence.phases, [None] * 4, None)
+    assert kept.phases == tuple(sequence.phases)
+    joint = kept.extra["joint"]
+    assert not joint["kept"] and "7 passes" in joint["words"]
+    if fault == "misses":
+        assert "4 tasks would not be flown as asked" in joint["words"]
+    else:
+        assert joint["gain_J"] < -0.1
+
+
+def test_each_date_is_the_plan_of_that_date(sequence):
+    scenario = scenarios.from_mapping(short_plan())
+    own = scenario.orbit.days
+    year = plan_year(scenario, np.array([own - 60.0, own, own + 60.0]))
+    assert year.reached
+    # The same starts in another batch: the flights agree to what the solver leaves.
+    assert year.total[1] == pytest.approx(energy_of(sequence.phases).net, abs=0.05)
+    alone = planned({"orbit.epoch": "2023-05-13T09:35:11Z", **SIGHTLESS})
+    np.testing.assert_allclose(year.total[2], energy_of(alone.phases).net, atol=0.05)
+    base = sum(net_power(p).energy.baseline for p in alone.phases[::2])
+    assert year.baseline[2] == pytest.approx(base, abs=1e-3)
+
+
+def test_other_dates_compile_nothing_and_failures_are_told(compilations):
+    """A floor that holds on some dates only; fewer dates go on than began."""
+    scenario = scenarios.from_mapping(short_plan())
+    own = scenario.orbit.days
+    before = plan_year(scenario, own + np.array([-30.0, 10.0, 90.0]))
+    assert before.reached
+    least = np.sort(before.plans.least_charge)
+    floor = 100.0 * 0.5 * (least[0] + least[1]) / CAPACITY
+    compilations.clear()
+    held = dataclasses.replace(before.scenario)
+    held = scenarios.replace(held, {"limits.least_charge_percent": floor})
+    year = plan_year(held, before.plans.days)
+    assert compilations == []
+    failed = [k for k, reason in enumerate(year.plans.reason) if reason]
+    for k in failed:
+        assert year.plans.reason[k].startswith('task 1 "first harvest": ')
+        assert "below its floor" in year.plans.reason[k]
+        assert np.isnan(year.total[k])
+    assert failed == [int(np.argmin(before.plans.least_charge))]
