@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib.dates as mdates
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.dates import ConciseDateFormatter
 from rich import box
 from rich.table import Table
 from rich.text import Text
@@ -97,9 +97,9 @@ def year_figure(title: str, rows: Sequence[Row], days: Floats) -> Picture:
         column[2].set_ylabel("least charge [%]")
     column[-1].plot(dates, _values(rows, "beta_deg"), color=colour(6), **style)
     column[-1].set_ylabel("beta angle [deg]")
-    column[-1].xaxis.set_major_formatter(
-        mdates.ConciseDateFormatter(column[-1].xaxis.get_major_locator())
-    )
+    concise: Any = ConciseDateFormatter
+    time = column[-1].xaxis
+    time.set_major_formatter(concise(time.get_major_locator()))
     for axes in column:
         tidy(axes)
         for date, row in zip(dates, rows, strict=True):

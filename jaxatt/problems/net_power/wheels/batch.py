@@ -78,7 +78,7 @@ def solve_starts(
     several = max(len(tasks), room) > 1
     parameters: Any = tasks[0].parameters
     if several:
-        filled = [*tasks, *tasks[:1] * (room - len(tasks))]
+        filled = [*tasks, *[tasks[0]] * (room - len(tasks))]
         parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in filled))
     found: InteriorSolution = run_starts(
         InteriorPoint(settings or settings_for(tasks[0].form)),

@@ -7,7 +7,7 @@ A start is what the satellite does when it follows such a way, so that its state
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -60,7 +60,7 @@ def draw_all(tasks: Sequence[WheelsTask], count: int, seed: int) -> Starts:
 def follow(tasks: Sequence[WheelsTask], attitudes: Floats) -> Starts:
     """Fly along attitudes (T, S, N + 2, 4) by feedback, from where each of T tasks begins."""
     p, form, h = tasks[0].parameters, tasks[0].form, tasks[0].manoeuvre.step
-    of = np.repeat(np.arange(len(tasks)), attitudes.shape[1])
+    of: Any = np.repeat(np.arange(len(tasks)), attitudes.shape[1])
     attitudes = attitudes.reshape(-1, *attitudes.shape[2:])
     intervals = attitudes.shape[1] - 2
     begun = np.stack([np.asarray(task.parameters.start) for task in tasks])[of]

@@ -98,6 +98,7 @@ def test_sight_names_angle_and_time():
         (small({**HARVEST, "start_s": -5.0}), r"start_s = -5.0: overlaps.*the plan begins"),
         (small(HARVEST, {**IMAGE, "start_s": 130.0}), r"leaves a gap of 30 s"),
         (small(HARVEST, IMAGE, horizon_s=120.0), r"leaves the horizon: it ends at 09:33:51, 40 s"),
+        (small(HARVEST, IMAGE, horizon_s=120.0), r"end earlier, or raise \[horizon\] horizon_s"),
         (small(HARVEST, IMAGE, horizon_s=200.0), r"the last task ends at 09:33:51, 40 s before"),
         (small({**HARVEST, "end_s": 50.0}), r"end_s = 50.0: given beside|duration_s"),
         (small({"mode": "harvest", "end": "soon"}), r"is no time by the clock"),

@@ -45,7 +45,7 @@ def check_times(
             ended,
             f"leaves the horizon: it ends at {clock_text(task.end, days)}, "
             f"{task.end - horizon:g} s after the plan at {clock_text(horizon, days)}",
-            "end earlier, or raise [plan] horizon_s",
+            "end earlier, or raise [horizon] horizon_s",
         )
 
 
