@@ -1,7 +1,5 @@
 """A plan of four short tasks from end to end: in sequence, above a floor, together, over dates."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from short_plan import short_plan
@@ -87,18 +85,25 @@ def test_each_harvest_earns_more_than_the_law(sequence):
 
 
 def test_the_floor_of_the_battery_binds(sequence):
-    free = sequence.phases[0].series["charge"]
-    floor = free.min() + RAISED
+    """On the way to the sun the charge dips; a floor above the dip costs energy, and lifts it.
+
+    The programme counts what the sun gives in an interval at its end, so that its charge is behind
+    by half an interval: what is held above the floor is that.
+    """
+    first = sequence.phases[0]
+    free = first.series["charge"]
+    counted = (free - 0.5 * first.step * first.series["solar_power"])[1:].min()
+    floor = counted + 0.5
     held = planned({"limits.least_charge_percent": 100.0 * floor / CAPACITY})
-    charge = held.phases[0].series["charge"]
     assert held.reached
-    assert floor - 1e-3 <= charge.min() <= floor + 0.1
-    lost = net_power(sequence.phases[0]).energy.net - net_power(held.phases[0]).energy.net
-    assert lost > 0.01
+    assert net_power(held.phases[0]).energy.least_charge >= floor
+    assert held.phases[0].series["charge"].min() > free.min() + 0.1
+    lost = net_power(first).energy.net - net_power(held.phases[0]).energy.net
+    assert 0.02 < lost < 2.0
 
 
 def test_a_floor_that_no_turn_can_hold_is_told_with_the_task_and_what_is_missing(sequence):
-    floor = sequence.phases[0].series["charge"].min() + TOO_MUCH
+    floor = sequence.phases[0].series["charge"].min() + 1.0
     failed = planned({"limits.least_charge_percent": 100.0 * floor / CAPACITY})
     first = failed.phases[0]
     assert not failed.reached and not first.reached
@@ -159,22 +164,20 @@ def test_each_date_is_the_plan_of_that_date(sequence):
     assert year.baseline[2] == pytest.approx(base, abs=1e-3)
 
 
-def test_other_dates_compile_nothing_and_failures_are_told(compilations):
-    """A floor that holds on some dates only; fewer dates go on than began."""
+def test_dates_that_fail_are_told_and_the_others_go_on_without_compiling(compilations):
     scenario = scenarios.from_mapping(short_plan())
-    own = scenario.orbit.days
-    before = plan_year(scenario, own + np.array([-30.0, 10.0, 90.0]))
-    assert before.reached
-    least = np.sort(before.plans.least_charge)
-    floor = 100.0 * 0.5 * (least[0] + least[1]) / CAPACITY
+    days = scenario.orbit.days + np.array([-30.0, 10.0, 90.0])
+    free = plan_year(scenario, days).plans
+    assert free.reached.all()
+    poor, rich = np.argmin(free.least_charge), np.argmax(free.least_charge)
+    floor = free.least_charge[poor] + 1.0
+    # What the programme counts is behind by half an interval, see above.
+    assert free.least_charge[rich] > floor + 20.0
+    held = scenarios.replace(scenario, {"limits.least_charge_percent": 100.0 * floor / CAPACITY})
     compilations.clear()
-    held = dataclasses.replace(before.scenario)
-    held = scenarios.replace(held, {"limits.least_charge_percent": floor})
-    year = plan_year(held, before.plans.days)
+    year = plan_year(held, days)
     assert compilations == []
-    failed = [k for k, reason in enumerate(year.plans.reason) if reason]
-    for k in failed:
-        assert year.plans.reason[k].startswith('task 1 "first harvest": ')
-        assert "below its floor" in year.plans.reason[k]
-        assert np.isnan(year.total[k])
-    assert failed == [int(np.argmin(before.plans.least_charge))]
+    assert not year.plans.reached[poor] and np.isnan(year.total[poor])
+    assert year.plans.reason[poor].startswith('task 1 "first harvest": ')
+    assert year.plans.reached[rich]
+    assert year.plans.net[rich].sum() == pytest.approx(free.net[rich].sum(), abs=0.1)
