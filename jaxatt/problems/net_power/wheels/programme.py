@@ -136,6 +136,7 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         retract=retract,
         difference=difference,
         inequality=inequality if limited else None,
+        final_inequality=(lambda x, p: (x[-1] - p.floor)[None]) if form.charge else None,
         final_rows=final_rows if form.end in ("reach", "rate") else None,
         limits=limits,
         linearisation=functools.partial(linearisation, of_z),

@@ -157,7 +157,9 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
         else lambda x, p: base.final_cost(x, p.wheels),
         inequality=inequality if limited else None,
         equality=equality,
-        final_inequality=(lambda x, p: (x[-1] - p.wheels.floor)[None]) if form.charge else None,
+        final_inequality=None
+        if base.final_inequality is None
+        else lambda x, p: base.final_inequalities(x, p.wheels),
         limits=lambda stage, p: base.control_limits(stage.interval, p.wheels),
         linearisation=linearisation,
         lagrangian_hessian=lagrangian_hessian,
