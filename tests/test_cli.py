@@ -80,6 +80,8 @@ def test_a_shown_scenario_is_changed_and_solved(here):
         (("pareto", "hypso1-netpower", "--values", "5,-1"), ("must be positive",)),
         (("pareto", "double-integrator"), ("gains no energy", '"net-power"')),
         (("solve", "broken.toml"), ("broken.toml", "did you mean 'horizon_s'?")),
+        (("plan", "hypso1-90-0-0"), ("has no [[tasks]] to plan; use jaxatt solve",)),
+        (("plan", "hypso2-orbit", "--dates", "2022-01-01"), ("such as 2023-01-01:2023-12-31:7",)),
         (("solve", "hypso1-90-0-0", "--out", "taken/below"), ("nothing can be written there",)),
     ],
 )
