@@ -75,9 +75,12 @@ def solve_starts(
 
     rows : starts in one compiled call.  room : tasks that the call has room for, at least.
     """
+    count, intervals = starts.u.shape[:2]
     several = max(len(tasks), room) > 1
     parameters: Any = tasks[0].parameters
     if several:
+        # As many rows as all of them would have.
+        count = count * max(len(tasks), room) // len(tasks)
         filled = [*tasks, *[tasks[0]] * (room - len(tasks))]
         parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in filled))
     found: InteriorSolution = run_starts(
@@ -85,7 +88,7 @@ def solve_starts(
         WheelsJob(tasks[0].form, several),
         starts,
         parameters,
-        rows=rows or rows_of_stages(*starts.u.shape[:2]),
+        rows=rows or rows_of_stages(count, intervals),
         progress=None if report is None else lambda done: report("solving from all starts", done),
     )
     return found

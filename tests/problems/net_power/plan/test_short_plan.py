@@ -7,6 +7,7 @@ from short_plan import short_plan
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
+from jaxatt.multistart.driver import some_passes
 from jaxatt.optimize.status import Status
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power import improve
@@ -161,10 +162,10 @@ def test_each_date_is_the_plan_of_that_date(sequence):
     alone = planned({"orbit.epoch": "2023-05-13T09:35:11Z", **SIGHTLESS})
     np.testing.assert_allclose(year.total[2], energy_of(alone.phases).net, atol=0.05)
     base = sum(net_power(p).energy.baseline for p in alone.phases[::2])
-    assert year.baseline[2] == pytest.approx(base, abs=1e-3)
+    assert year.baseline[2] == pytest.approx(base, abs=0.05)
 
 
-def test_dates_that_fail_are_told_and_the_others_go_on_without_compiling(compilations):
+def test_dates_that_fail_are_told_and_the_others_go_on_in_the_same_programme():
     scenario = scenarios.from_mapping(short_plan())
     days = scenario.orbit.days + np.array([-30.0, 10.0, 90.0])
     free = plan_year(scenario, days).plans
@@ -172,11 +173,11 @@ def test_dates_that_fail_are_told_and_the_others_go_on_without_compiling(compila
     poor, rich = np.argmin(free.least_charge), np.argmax(free.least_charge)
     floor = free.least_charge[poor] + 1.0
     # What the programme counts is behind by half an interval, see above.
-    assert free.least_charge[rich] > floor + 20.0
+    assert free.least_charge[rich] > floor + 10.0
     held = scenarios.replace(scenario, {"limits.least_charge_percent": 100.0 * floor / CAPACITY})
-    compilations.clear()
+    compiled = set(some_passes._begun)
     year = plan_year(held, days)
-    assert compilations == []
+    assert set(some_passes._begun) == compiled
     assert not year.plans.reached[poor] and np.isnan(year.total[poor])
     assert year.plans.reason[poor].startswith('task 1 "first harvest": ')
     assert year.plans.reached[rich]
