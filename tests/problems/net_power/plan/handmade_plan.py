@@ -64,6 +64,7 @@ def task_phase(scenario: scenarios.Scenario, task: Task) -> Phase:
             energy=Energy(solar, actuation, loads, base, 2.5e5, float(series["charge"].min())),
             claimed=0.0,
             start_energy=np.zeros(6),
+            start_score=np.zeros(6),
             share=0.5,
             minima=1,
             violation=0.0,

@@ -124,6 +124,10 @@ def test_together_is_no_worse_than_in_sequence(sequence, together):
     earned, alone = energy_of(together.phases).net, energy_of(sequence.phases).net
     assert earned == pytest.approx(alone + joint["kept"] * joint["gain_J"], abs=1e-6)
     assert earned >= alone - 1e-6
+    for phase in together.phases:
+        # Of the search before, which has all starts.
+        count = len(phase.starts.status)
+        assert len(net_power(phase).start_energy) == len(net_power(phase).start_score) == count
     text = " ".join(as_text(result_table(together), 80).split())
     told = "kept" if joint["kept"] else "not kept"
     assert f"{joint['gain_J']:+.3f} J over the sequence ({told};" in text
