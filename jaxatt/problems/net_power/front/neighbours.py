@@ -16,11 +16,7 @@ from jaxatt.problems.net_power.answers import flown_again
 from jaxatt.problems.net_power.found import Flown
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.host import exponential, product
-from jaxatt.problems.net_power.wheels.search import (
-    solve_in_fine_steps,
-    solve_wheels,
-    together,
-)
+from jaxatt.problems.net_power.wheels.search import solve_in_fine_steps, solve_wheels
 from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts, follow
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Floats
@@ -52,7 +48,7 @@ def search_neighbours(
 ) -> list[Point]:
     """Solve manoeuvres of one form, ordered by what they differ in, from `count` starts each."""
     coarse = [wheels_task(manoeuvre) for manoeuvre in manoeuvres]
-    drawn = together([draw_starts(task, count, seed) for task in coarse])
+    drawn = [draw_starts(task, count, seed) for task in coarse]
     # The same for few starts as for many, so that both share a compiled program.
     rows = rows_of_stages(count * len(coarse), manoeuvres[0].intervals)
     tasks, solved = solve_in_fine_steps(coarse, drawn, report, rows)
@@ -90,7 +86,7 @@ def _passed_on(
     chosen = [tasks[k] for k in asked]
     parts = [_starts(tasks[k], [points[n].best for n in sources[k]]) for k in asked]
     gained = []
-    for k, solved in zip(asked, solve_wheels(chosen, together(parts), report, rows), strict=True):
+    for k, solved in zip(asked, solve_wheels(chosen, parts, report, rows), strict=True):
         found = flown_again(tasks[k].manoeuvre, solved)
         if _better(found, points[k].best):
             points[k] = replace(points[k], best=found)
@@ -101,7 +97,7 @@ def _passed_on(
 def _starts(task: WheelsTask, answers: Sequence[Flown]) -> Starts:
     """Starts of a task along the flown paths of other answers, with as many nodes."""
     paths = np.stack([answer.flight.q_ib[answer.best] for answer in answers])
-    return follow([task], _beyond(task, paths)[None])
+    return follow(task, _beyond(task, paths))
 
 
 def _beyond(task: WheelsTask, paths: Floats) -> Floats:

@@ -38,8 +38,7 @@ def search_wheels(
 ) -> tuple[Solved, ...]:
     """Solve from `count` starts each, for several manoeuvres of one shape in one batch.
 
-    manoeuvres : of one number and one length of intervals, one kind of satellite and one kind of
-    end.
+    manoeuvres : of one number of intervals, one kind of satellite and one kind of end.
     shared : whether to fill their intervals up to a length that other manoeuvres have, too, so that
     they share a compiled program.
     room : manoeuvres that the program has room for, at least; so that it serves fewer, too.
@@ -49,23 +48,22 @@ def search_wheels(
     """
     size = shared_length(manoeuvres[0].intervals) if shared else None
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
-    starts = draw_all(tasks, count, seed)
-    return solve_in_fine_steps(tasks, starts, report, room=room)[1]
+    return solve_in_fine_steps(tasks, draw_all(tasks, count, seed), report, room=room)[1]
 
 
 def solve_in_fine_steps(
     tasks: Sequence[WheelsTask],
-    starts: Starts,
+    parts: Sequence[Starts],
     report: Report | None = None,
     rows: int | None = None,
     room: int = 1,
 ) -> tuple[Sequence[WheelsTask], tuple[Solved, ...]]:
     """Solve tasks of one form from given starts, with as many steps an interval as they ask for.
 
-    starts : of all tasks, see `together`.  rows : starts in one compiled call.
+    parts : starts of each task.  rows : starts in one compiled call.  room : see `search_wheels`.
     Returns the tasks with those steps, and the answers; see `search_wheels`.
     """
-    manoeuvres = [task.manoeuvre for task in tasks]
+    manoeuvres, starts = [task.manoeuvre for task in tasks], _together(parts)
     size = starts.u.shape[1]
     if manoeuvres[0].substeps is None:
         steps = _substeps(starts)
@@ -84,11 +82,12 @@ def solve_in_fine_steps(
 
 def solve_wheels(
     tasks: Sequence[WheelsTask],
-    starts: Starts,
+    parts: Sequence[Starts],
     report: Report | None = None,
     rows: int | None = None,
 ) -> tuple[Solved, ...]:
     """Solve tasks with the steps that they have from given starts, e.g. neighbours' answers."""
+    starts = _together(parts)
     return _solved(tasks, starts, solve_starts(tasks, starts, report=report, rows=rows))
 
 
@@ -99,7 +98,7 @@ def continued(starts: Starts, solution: InteriorSolution) -> Starts:
     return starts._replace(u=np.where(finite, u, starts.u), x=np.where(finite, x, starts.x))
 
 
-def together(parts: Sequence[Starts]) -> Starts:
+def _together(parts: Sequence[Starts]) -> Starts:
     """Starts of all manoeuvres, each with its number."""
     numbered = [
         part._replace(task=np.full(len(part.u), number, int)) for number, part in enumerate(parts)

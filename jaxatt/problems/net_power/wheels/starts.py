@@ -42,27 +42,34 @@ class Starts(NamedTuple):
 
 def draw_starts(task: WheelsTask, count: int, seed: int) -> Starts:
     """Draw starts of a task; start i depends on the seed and on i only."""
-    return draw_all([task], count, seed)
+    return draw_all([task], count, seed)[0]
 
 
-def draw_all(tasks: Sequence[WheelsTask], count: int, seed: int) -> Starts:
-    """Draw `count` starts for each of some tasks of one satellite, form and length.
+def draw_all(tasks: Sequence[WheelsTask], count: int, seed: int) -> tuple[Starts, ...]:
+    """Draw `count` starts for each of some tasks of one satellite, form and number of intervals.
 
     All are flown side by side: the flight takes as many calls of NumPy for a year's dates as for
     one start.
     """
-    manoeuvre = tasks[0].manoeuvre
-    times = manoeuvre.step * np.arange(manoeuvre.intervals + 2)
-    along = [references(task, ways(task, count, seed), times) for task in tasks]
-    return follow(tasks, np.stack(along))
+    nodes = np.arange(tasks[0].manoeuvre.intervals + 2)
+    ahead = [task.manoeuvre.step * nodes for task in tasks]
+    along = [references(t, ways(t, count, seed), at) for t, at in zip(tasks, ahead, strict=True)]
+    return follow_all(tasks, np.stack(along))
 
 
-def follow(tasks: Sequence[WheelsTask], attitudes: Floats) -> Starts:
+def follow(task: WheelsTask, attitudes: Floats) -> Starts:
+    """Fly along attitudes (S, N + 2, 4) by feedback, from where the manoeuvre begins."""
+    return follow_all([task], attitudes[None])[0]
+
+
+def follow_all(tasks: Sequence[WheelsTask], attitudes: Floats) -> tuple[Starts, ...]:
     """Fly along attitudes (T, S, N + 2, 4) by feedback, from where each of T tasks begins."""
-    p, form, h = tasks[0].parameters, tasks[0].form, tasks[0].manoeuvre.step
-    of: Any = np.repeat(np.arange(len(tasks)), attitudes.shape[1])
+    p, form = tasks[0].parameters, tasks[0].form
+    count = attitudes.shape[1]
+    of: Any = np.repeat(np.arange(len(tasks)), count)
     attitudes = attitudes.reshape(-1, *attitudes.shape[2:])
     intervals = attitudes.shape[1] - 2
+    h = np.array([task.manoeuvre.step for task in tasks])[of][:, None]
     begun = np.stack([np.asarray(task.parameters.start) for task in tasks])[of]
     total = np.stack([np.asarray(task.parameters.total) for task in tasks])[of]
     without, inverse = np.asarray(p.without_spin), np.asarray(p.inverse)
@@ -70,8 +77,8 @@ def follow(tasks: Sequence[WheelsTask], attitudes: Floats) -> Starts:
     spread = (axes.T @ np.asarray(p.spread)) / limit[:, None]
     to_stored = np.asarray(p.to_stored)
     to_rate = np.asarray(p.to_rate)
-    rates = logarithm(product(conjugate(attitudes[:, :-1]), attitudes[:, 1:])) / h
-    bandwidth = min(_FASTEST, _BANDWIDTH / h)
+    rates = logarithm(product(conjugate(attitudes[:, :-1]), attitudes[:, 1:])) / h[..., None]
+    bandwidth = np.minimum(_FASTEST, _BANDWIDTH / h)
     q, y = begun[:, :4], begun[:, 4 : 4 + form.stored]
     states, controls = [], []
     for k in range(intervals):
@@ -90,7 +97,9 @@ def follow(tasks: Sequence[WheelsTask], attitudes: Floats) -> Starts:
         slope = scaled @ to_stored.T @ to_rate.T
         speeding = turning @ inverse.T - slope
         bend = (np.cross(turning, omega) + np.cross(momentum, speeding)) @ inverse.T
-        dq = np.stack(increment(turned(tuple(omega.T), tuple(speeding.T), tuple(bend.T), h)), -1)
+        dq = np.stack(
+            increment(turned(tuple(omega.T), tuple(speeding.T), tuple(bend.T), h[:, 0])), -1
+        )
         q, y = product(q, dq), y + h * scaled @ to_stored.T
     states.append((q, y))
     parts = [np.stack([s[i] for s in states], axis=1) for i in range(2)]
@@ -100,13 +109,16 @@ def follow(tasks: Sequence[WheelsTask], attitudes: Floats) -> Starts:
     scaled = np.stack(controls, axis=1)
     if form.charge:
         x = np.concatenate([x, _kept(begun[:, -1:], intervals)], axis=2)
-    u = _filled(
-        _with_powers(tasks[0], total, x, scaled), len(np.asarray(p.stages.step)) - intervals
-    )
+    scale = np.array([float(task.parameters.power_scale) for task in tasks])[of]
+    u = _with_powers(tasks[0], total, scale, x, scaled)
+    u = _filled(u, len(np.asarray(p.stages.step)) - intervals)
     x = _filled(x, u.shape[1] + 1 - x.shape[1], still=True)
     reference = np.stack([np.asarray(task.parameters.reference) for task in tasks])[of]
     sign = np.where(np.sum(q * reference, axis=1) < 0.0, -1.0, 1.0)
-    return Starts(u, x, sign[:, None] * reference, of)
+    whole = Starts(u, x, sign[:, None] * reference, np.zeros(len(of), int))
+    return tuple(
+        Starts(*(leaf[k * count : (k + 1) * count] for leaf in whole)) for k in range(len(tasks))
+    )
 
 
 def _kept(first: Floats, intervals: int) -> Floats:
@@ -120,8 +132,13 @@ def _filled(along: Floats, more: int, still: bool = False) -> Floats:
     return np.concatenate([along, np.repeat(last, more, axis=1)], axis=1)
 
 
-def _with_powers(task: WheelsTask, total: Floats, x: Floats, scaled: Floats) -> Floats:
-    """Controls of the programme: torques, and what else it has; total : (S, 3), momenta."""
+def _with_powers(
+    task: WheelsTask, total: Floats, scale: Floats, x: Floats, scaled: Floats
+) -> Floats:
+    """Controls of the programme: torques, and what else it has.
+
+    total : (S, 3), momenta.  scale : (S,), of powers.
+    """
     p, form = task.parameters, task.form
     parts = [scaled]
     if form.powers:
@@ -134,7 +151,7 @@ def _with_powers(task: WheelsTask, total: Floats, x: Floats, scaled: Floats) -> 
             ]
         else:
             ends = [torque * spins for spins in (speeds[:, :-1], speeds[:, 1:])]
-        power = np.concatenate(ends, axis=-1) / float(p.power_scale)
+        power = np.concatenate(ends, axis=-1) / scale[:, None, None]
         parts.append(np.maximum(float(p.taken) * power, -float(p.returned) * power) + _ROOM)
     if form.dipoles:
         parts.append(np.full((*scaled.shape[:2], form.dipoles), _ROOM))
