@@ -15,7 +15,6 @@ _ERROR_WORDS = {
     "waypoint": "the waypoint's attitude",
     "wheel speed": "the wheels' speed at the end",
     "state": "the target state",
-    "wheel speed": "the wheels' speed at the end",
 }
 
 
