@@ -49,20 +49,23 @@ def test_decided_dipoles_bring_the_wheels_to_the_speeds_that_are_wanted():
     document = {name: copy.deepcopy(PLAN[name]) for name in PLAN}
     for name in ("printed", "tasks", "plan", "baseline", "horizon"):
         document.pop(name, None)
-    wanted = [200.0, 214.0, 209.0, -360.0]
+    wanted = [207.0, 211.0, 209.4, -362.0]
     document |= {
         "magnetorquing": {"mode": "decided"},
+        "initial": {**document["initial"], "rate_rad_s": [0.0] * 3},
         "horizon": {"horizon_s": 300.0, "intervals": 60},
         "target": {
             "attitude_quaternion": [0.853, 0.372, -0.019, -0.366],
             "wheel_speed_rad_s": wanted,
+            "attitude_tolerance_deg": 0.1,
+            "rate_tolerance_rad_s": 1e-4,
         },
         "objective": {"kind": "net-power", "wheel_power": "wheels"},
     }
     result = jaxatt.solve(scenarios.from_mapping(document), starts=4)
     (phase,) = result.phases
     assert phase.reached
-    np.testing.assert_allclose(phase.series["omega_bw"][-1], wanted, atol=1.0)
+    np.testing.assert_allclose(phase.series["omega_bw"][-1], wanted, atol=1e-3)
     limit = np.asarray(result.scenario.vehicle.magnetorquers.dipole_limit)
     dipole = np.abs(phase.series["dipole"])
     assert (dipole <= limit * (1.0 + 1e-9)).all()

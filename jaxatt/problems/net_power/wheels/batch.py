@@ -30,9 +30,14 @@ _TORQUED = replace(SETTINGS, max_iterations=60, own_costates=True, settling=10)
 """Over an orbit with its shadow, much of a manoeuvre earns the same whatever it does; what is left
 to gain after so many passes is some ten joules of tens of thousands."""
 
+_DECIDED = replace(_TORQUED, max_iterations=150, settling=15)
+"""Dipoles that are decided act weakly and late: constraints at the end hold after more passes."""
+
 
 def settings_for(form: WheelsForm) -> InteriorSettings:
     """Settings of the solver that suit a form."""
+    if form.dipoles:
+        return _DECIDED
     return _TORQUED if form.torqued else SETTINGS
 
 
