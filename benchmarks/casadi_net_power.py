@@ -138,14 +138,17 @@ def interval(task: WheelsTask) -> Interval:
     cost += h * float(p.effort) * ca.sumsqr(scaled)
     rows = []
     if form.powers:
-        magnitude = u[form.wheels]
-        mean = rate + 0.5 * h * slope + h * h / 6.0 * bend
-        spun = without @ (lost + 0.5 * h * taking) / float(p.wheel_inertia[0])
         axes = ca.DM(np.asarray(p.axes))
         pushed = axes @ (ca.DM(np.asarray(p.torque_limit)) * scaled)
-        power = ca.dot(pushed, spun - axes @ axes.T @ mean) / float(p.power_scale)
-        rows = [magnitude - float(p.taken) * power, magnitude + float(p.returned) * power]
-        cost += h * float(p.power_scale) * magnitude
+        beyond = total if not form.torqued else float(p.momentum_scale) * after[2]
+        later = lost + h * taking
+        at_end = -later if still else inverse @ to_body(after[0], beyond) - later
+        for late, (taken, omega) in enumerate(((lost, rate), (later, at_end))):
+            magnitude = u[form.wheels + late]
+            spun = without @ taken / float(p.wheel_inertia[0])
+            power = ca.dot(pushed, spun - axes @ axes.T @ omega) / float(p.power_scale)
+            rows += [magnitude - float(p.taken) * power, magnitude + float(p.returned) * power]
+            cost += 0.5 * h * float(p.power_scale) * magnitude
     if form.magnetorquers == "managing":
         rounding = float(p.rounding)
         sizes = ca.sqrt(dipole**2 + rounding**2) - rounding
