@@ -36,6 +36,14 @@ def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scen
     return scenario, prepare_folder(out or Path("results") / scenario.name)
 
 
+def numbers(text: str, option: str) -> list[float]:
+    """Read the numbers of an option that are separated by commas."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"{option} {text}: give numbers separated by commas") from None
+
+
 def show(table: RenderableType) -> None:
     """Print a table, as plain text where the output is no terminal."""
 

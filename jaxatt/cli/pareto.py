@@ -7,7 +7,15 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.common import (
+    NOT_REACHED,
+    clean_exit,
+    finish,
+    numbers,
+    prepare_jax,
+    prepared,
+    show,
+)
 from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.pareto import POINTS, STARTS, front_request
@@ -47,7 +55,7 @@ def pareto(
 ) -> None:
     """Compute the Pareto front of a manoeuvre's energy against time or against its error."""
     with clean_exit():
-        given = None if values is None else _numbers(values)
+        given = None if values is None else numbers(values, "--values")
         asked = front_request(over, points, given)
         scenario, folder = prepared(case, {}, out)
         prepare_jax(compile_cache)
@@ -68,11 +76,3 @@ def pareto(
         if not found.reached:
             typer.echo("a point does not reach what was asked when flown", err=True)
             raise typer.Exit(NOT_REACHED)
-
-
-def _numbers(text: str) -> list[float]:
-    """Read numbers separated by commas."""
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise typer.BadParameter(f"--values {text}: give numbers separated by commas") from None

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, numbers, prepare_jax, show
 from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
@@ -49,10 +49,7 @@ def sweep(
 
 def _weights(text: str) -> list[float]:
     """Read non-negative numbers separated by commas."""
-    try:
-        numbers = [float(part) for part in text.split(",")]
-    except ValueError:
-        raise typer.BadParameter(f"--rho {text}: give numbers separated by commas") from None
-    if not all(0.0 <= number < float("inf") for number in numbers):
+    weights = numbers(text, "--rho")
+    if not all(0.0 <= weight < float("inf") for weight in weights):
         raise typer.BadParameter(f"--rho {text}: a weight of effort must not be negative")
-    return numbers
+    return weights
