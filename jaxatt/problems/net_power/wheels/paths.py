@@ -39,12 +39,14 @@ def ways(task: WheelsTask, count: int, seed: int) -> Way:
     """Draw ways of a task; start i depends on the seed and on i only.
 
     The sun attitudes are those of its best directions, with any roll about the line to the sun.
-    Most starts take the quickest of a few; where there is no time even for that, the attitude is
+    The first start, and most others, take the quickest of a few; where there is no time even for that, the attitude is
     moved towards the direct turn.
     """
     drawn = np.stack(
         [np.random.default_rng((seed, i)).random(4 + 2 * _CHOICE) for i in range(count)]
     )
+    # The first start does what the PD law does, so that even one alone is worth something.
+    drawn[0, :4] = 0.0, 0.0, 0.0, 1.0
     begin, end = _ends(task)
     shape = (count * _CHOICE,)
     which = (drawn[:, 4 : 4 + _CHOICE].reshape(shape) * len(task.best.body)).astype(int)
