@@ -39,8 +39,8 @@ def ways(task: WheelsTask, count: int, seed: int) -> Way:
     """Draw ways of a task; start i depends on the seed and on i only.
 
     The sun attitudes are those of its best directions, with any roll about the line to the sun.
-    The first start, and most others, take the quickest of a few; where there is no time even for that, the attitude is
-    moved towards the direct turn.
+    The first start, and most others, take the quickest of a few; where there is no time even for
+    that, the attitude is moved towards the direct turn.
     """
     drawn = np.stack(
         [np.random.default_rng((seed, i)).random(4 + 2 * _CHOICE) for i in range(count)]
