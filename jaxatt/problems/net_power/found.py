@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +46,24 @@ class Solved:
             self.violation[rows],
             self.stationarity[rows],
             self.iterations[rows],
+        )
+
+    def replaced(self, rows: npt.NDArray[np.int64], by: Solved) -> Solved:
+        """Answers with those of some starts replaced, and the passes of both added up."""
+
+        def put(old: Any, new: Any) -> Any:
+            whole = old.copy()
+            whole[rows] = new
+            return whole
+
+        return Solved(
+            put(self.torque, by.torque),
+            None if self.dipole is None else put(self.dipole, by.dipole),
+            put(self.claimed, by.claimed),
+            put(self.status, by.status),
+            put(self.violation, by.violation),
+            put(self.stationarity, by.stationarity),
+            put(self.iterations, self.iterations[rows] + by.iterations),
         )
 
 

@@ -16,7 +16,7 @@ from jaxatt.problems.net_power.answers import flown_again
 from jaxatt.problems.net_power.found import Flown
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.host import exponential, product
-from jaxatt.problems.net_power.wheels.search import solve_in_fine_steps, solve_wheels
+from jaxatt.problems.net_power.wheels.solve import solve_in_fine_steps, solve_wheels
 from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts, follow
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Floats

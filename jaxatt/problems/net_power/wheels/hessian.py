@@ -94,7 +94,7 @@ def lagrangian_hessian(
     products = products + jnp.concatenate(
         [jnp.stack(at_turn), jnp.zeros((rows.width - 3, rows.width))]
     )
-    products = products + _of_controls(rows, h, p, paid, kept)
+    products = products + _of_controls(rows, stage, p, paid, kept)
     return products + products.T
 
 
@@ -139,18 +139,20 @@ def _momentum(
     return _Momentum(total, early, far, seen)
 
 
-def _of_controls(rows: Rows, h: Array, p: WheelsParameters, paid: Array, kept: Kept) -> Array:
+def _of_controls(
+    rows: Rows, stage: WheelStage, p: WheelsParameters, paid: Array, kept: Kept
+) -> Array:
     """Half of what efforts and dipoles cost to second order."""
     form = rows.form
-    effort = p.step * p.effort / p.energy_scale
+    effort = stage.paid * p.effort / p.energy_scale
     total = jnp.diag(rows.row(torques=jnp.ones(form.wheels) * effort))
     if form.magnetorquers == "managing":
         size = jnp.sqrt(kept.dipole**2 + p.rounding**2)
         price = p.dipole_price * p.rounding**2 / (size * size * size)
-        weight = 0.5 * paid * h / p.energy_scale * (price + 2.0 * p.dipole_loss)
+        weight = 0.5 * paid * stage.step / p.energy_scale * (price + 2.0 * p.dipole_loss)
         total = total + outer(kept.by_dipole, weight[:, None] * kept.by_dipole)
     if form.dipoles:
-        lost = paid * p.step * p.dipole_loss * p.dipole_limit**2 / p.energy_scale
+        lost = paid * stage.paid * p.dipole_loss * p.dipole_limit**2 / p.energy_scale
         ways = jnp.concatenate([jnp.eye(3), -jnp.eye(3)], axis=1)
         each = jnp.stack([rows.row(dipoles=ways[i]) for i in range(3)])
         total = total + outer(each, lost[:, None] * each)

@@ -25,6 +25,13 @@ def exponential(turn: Floats) -> Floats:
     return np.concatenate([np.cos(0.5 * angle), 0.5 * np.sinc(0.5 * angle / np.pi) * turn], -1)
 
 
+def continuous(q: Floats) -> Floats:
+    """Attitudes (..., M, 4) along a way, with signs that do not jump."""
+    same = np.where(np.sum(q[..., 1:, :] * q[..., :-1, :], axis=-1) < 0.0, -1.0, 1.0)
+    signs = np.cumprod(same, axis=-1)[..., None]
+    return np.concatenate([q[..., :1, :], signs * q[..., 1:, :]], axis=-2)
+
+
 def logarithm(q: Floats) -> Floats:
     """Rotation vector (..., 3) [rad] of the shorter turn of a quaternion (..., 4)."""
     q = np.where(q[..., :1] < 0.0, -q, q)

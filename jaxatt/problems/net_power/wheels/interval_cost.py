@@ -30,10 +30,10 @@ def interval_cost(
     cost = weight * found.area
     powers = dipoles = None
     if form.powers:
-        price = 0.5 * p.step * p.power_scale / p.energy_scale
+        price = 0.5 * stage.paid * p.power_scale / p.energy_scale
         cost = cost + price * jnp.sum(controls.powers)
         powers = jnp.full(form.powers, 1.0) * price
-    h = stage.step if form.magnetorquers == "managing" else p.step
+    h = stage.step if form.magnetorquers == "managing" else stage.paid
     price, loss = h * p.dipole_price / p.energy_scale, h * p.dipole_loss / p.energy_scale
     if form.dipoles:
         each = price * p.dipole_limit

@@ -76,7 +76,7 @@ def linearisation(
         spent = cost + h * p.load / p.energy_scale
         gap.append((x[-1] - spent - x_next[-1])[None])
         dynamics.append(rows.row(charge=jnp.ones(1)) - by_cost)
-    effort = 2.0 * p.step * p.effort / p.energy_scale * controls.scaled
+    effort = 2.0 * stage.paid * p.effort / p.energy_scale * controls.scaled
     rates, by_rates = small[:6], jnp.stack(by_z(changed[:, :6]))
     path, path_slope, spins = margins(rows, x, controls, h, rates, by_rates, p)
     kept = Kept(

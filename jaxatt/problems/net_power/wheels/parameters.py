@@ -17,6 +17,7 @@ class WheelStage(NamedTuple):
     """What changes from interval to interval.
 
     step : () [s], length of the interval; 0 in those that only fill up.
+    paid : () [s], the same for what controls cost, which keeps those of the others determined.
     sun : (3,), unit vector in inertial axes at the node where the interval begins.
     shone : () [J/m^2], what falls on a square metre that faces the sun, integrated over the hat
         function of that node; battery's input efficiency included.
@@ -25,6 +26,7 @@ class WheelStage(NamedTuple):
     """
 
     step: Array
+    paid: Array
     sun: Array
     shone: Array
     along: Along | None
@@ -64,7 +66,7 @@ class WheelsParameters:
         where it is negative.
     effort : () [W], small price of squared scaled torques, which decides what is otherwise open.
     panels : of the vehicle.  smoothing : () alpha of (2.11).
-    step : () [s], length of an interval, for what controls cost.  stages : leading axis N.
+    stages : leading axis N.
     torques : external.  management : law of the magnetorquers.
     dipole_limit : (3,) [A m^2].  dipole_price : (3,) [W/(A m^2)] of magnitudes, dipole_loss : (3,)
         [W/(A m^2)^2] of squares, and rounding : () [A m^2] of the magnitudes.
@@ -95,7 +97,6 @@ class WheelsParameters:
     effort: Array
     panels: SolarPanels
     smoothing: Array
-    step: Array
     stages: WheelStage
     torques: ExternalTorques
     management: Management | None

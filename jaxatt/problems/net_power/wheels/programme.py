@@ -50,14 +50,14 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
             parts.append(x[first : first + 3] + jnp.stack(found.push) / p.momentum_scale)
         if form.charge:
             parts.append((x[-1] - cost - stage.step * p.load / p.energy_scale)[None])
-        effort = p.step * p.effort / p.energy_scale * jnp.sum(controls.scaled**2)
+        effort = stage.paid * p.effort / p.energy_scale * jnp.sum(controls.scaled**2)
         return jnp.concatenate(parts), cost + effort
 
     def spent(x: Array, u: Array, stage: WheelStage, p: WheelsParameters, found: Motion) -> Array:
         controls = at.split(u, form)
         sun = to_body(at.quaternion(x), at.parts(stage.sun))
         total = -stage.shone * collected(p.panels, sun, p.smoothing).area
-        total = total + 0.5 * p.step * p.power_scale * jnp.sum(controls.powers)
+        total = total + 0.5 * stage.paid * p.power_scale * jnp.sum(controls.powers)
         if form.magnetorquers == "managing":
             dipole = jnp.stack(found.dipole)
             sizes = jnp.sqrt(dipole * dipole + p.rounding * p.rounding) - p.rounding
@@ -66,8 +66,8 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
             price = p.dipole_price * p.dipole_limit
             both = jnp.concatenate([price, price])
             decided = jnp.stack(at.dipole(controls, p, form))
-            total = total + p.step * jnp.sum(both * controls.dipoles)
-            total = total + p.step * jnp.sum(p.dipole_loss * decided**2)
+            total = total + stage.paid * jnp.sum(both * controls.dipoles)
+            total = total + stage.paid * jnp.sum(p.dipole_loss * decided**2)
         return total / p.energy_scale
 
     def inequality(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> Array:

@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from jaxatt.optimize.interior_point.solver import InteriorSolution
 from jaxatt.optimize.status import Status
+from jaxatt.problems.net_power.flight import fly
 from jaxatt.problems.net_power.found import Solved
-from jaxatt.problems.net_power.judge import judge_manoeuvre
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
-from jaxatt.problems.net_power.wheels.batch import solve_starts
+from jaxatt.problems.net_power.wheels.batch import settings_for
+from jaxatt.problems.net_power.wheels.from_flight import starts_from_flight
 from jaxatt.problems.net_power.wheels.lengths import shared_length
-from jaxatt.problems.net_power.wheels.starts import Starts, draw_all
+from jaxatt.problems.net_power.wheels.longer import averaged, longer_intervals
+from jaxatt.problems.net_power.wheels.solve import in_steps, solve_in_fine_steps, solve_wheels
+from jaxatt.problems.net_power.wheels.starts import Starts, draw_all, filled
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
-from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.arrays import Counts
 from jaxatt.runtime.chunks import Report
 
-_MOST_SUBSTEPS = 8
-_FLOWN = 4
-"""Answers, the best of each manoeuvre, that are flown to see whether the steps are fine enough."""
-_LONGEST_TURN = 0.25
-"""[rad], in one step."""
-_FEW = 0.5
-"""Share of them that must end where the solver says."""
+_LONG, _FIRST = 512, 256
+"""Intervals from which a manoeuvre is searched on longer ones first, and how many of these."""
+_REFINED = 4
+"""Answers of the first search, the best of each manoeuvre, that are solved on its own intervals."""
+_APART = 1e-5
+"""Difference of two answers, as a share of the energy, from which both are worth refining."""
+_BARRIER = 1e-4
+"""The first one from an answer of the first search."""
+_SHARED_STEPS = 4
+"""Runge-Kutta steps an interval of manoeuvres that share a compiled program: those that need fewer
+lose less by them than by a program of their own."""
 
 
 def search_wheels(
@@ -43,124 +49,63 @@ def search_wheels(
     they share a compiled program.
     room : manoeuvres that the program has room for, at least; so that it serves fewer, too.
 
-    Where the best answers do not end where the solver says when they are flown finely, all are
-    solved again with more Runge-Kutta steps an interval, from where they are.
+    Long manoeuvres are solved from all starts on longer intervals, and the best few answers then on
+    their own.
     """
-    size = shared_length(manoeuvres[0].intervals) if shared else None
+    intervals = manoeuvres[0].intervals
+    size = shared_length(intervals) if shared else None
+    least = _SHARED_STEPS if shared else 1
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
-    return solve_in_fine_steps(tasks, draw_all(tasks, count, seed), report, room=room)[1]
+    drawn = draw_all(tasks, count, seed)
+    if intervals < _LONG or count <= _REFINED:
+        return solve_in_fine_steps(tasks, drawn, report, room=room, least=least)[1]
+    held = longer_intervals(intervals, _FIRST)
+    first = [wheels_task(manoeuvre, None, _FIRST, held) for manoeuvre in manoeuvres]
+    parts = [_on_longer(part, held) for part in drawn]
+    # What they are off by is mended where they are refined.
+    found = solve_wheels(in_steps(first, parts, least), parts, report, room=room)
+    return _refined(tasks, found, report, room, least)
 
 
-def solve_in_fine_steps(
+def _on_longer(starts: Starts, held: Counts) -> Starts:
+    """Starts on longer intervals, filled up."""
+    nodes = np.concatenate([[0], np.cumsum(held)])
+    u, x = averaged(starts.u[:, : nodes[-1]], held), starts.x[:, nodes]
+    more = _FIRST - len(held)
+    return starts._replace(u=filled(u, more), x=filled(x, more, still=True))
+
+
+def _refined(
     tasks: Sequence[WheelsTask],
-    parts: Sequence[Starts],
-    report: Report | None = None,
-    rows: int | None = None,
-    room: int = 1,
-) -> tuple[Sequence[WheelsTask], tuple[Solved, ...]]:
-    """Solve tasks of one form from given starts, with as many steps an interval as they ask for.
-
-    parts : starts of each task.  rows : starts in one compiled call.  room : see `search_wheels`.
-    Returns the tasks with those steps, and the answers; see `search_wheels`.
-    """
-    manoeuvres, starts = [task.manoeuvre for task in tasks], _together(parts)
-    size = starts.u.shape[1]
-    if manoeuvres[0].substeps is None:
-        steps = _substeps(starts)
-        tasks = [wheels_task(manoeuvre, steps, size) for manoeuvre in manoeuvres]
-    solution = solve_starts(tasks, starts, report=report, rows=rows, room=room)
-    found = _solved(tasks, starts, solution)
-    substeps = tasks[0].form.substeps
-    while substeps < _MOST_SUBSTEPS and _too_coarse(manoeuvres, found):
-        substeps *= 2
-        tasks = [wheels_task(manoeuvre, substeps, size) for manoeuvre in manoeuvres]
-        starts = continued(starts, solution)
-        solution = solve_starts(tasks, starts, report=report, rows=rows, room=room)
-        found = _solved(tasks, starts, solution)
-    return tasks, found
-
-
-def solve_wheels(
-    tasks: Sequence[WheelsTask],
-    parts: Sequence[Starts],
-    report: Report | None = None,
-    rows: int | None = None,
+    found: Sequence[Solved],
+    report: Report | None,
+    room: int,
+    least: int,
 ) -> tuple[Solved, ...]:
-    """Solve tasks with the steps that they have from given starts, e.g. neighbours' answers."""
-    starts = _together(parts)
-    return _solved(tasks, starts, solve_starts(tasks, starts, report=report, rows=rows))
-
-
-def continued(starts: Starts, solution: InteriorSolution) -> Starts:
-    """Starts from where a solve ended, or from where it began where that is not finite."""
-    u, x = np.asarray(solution.u), np.asarray(solution.x)
-    finite = (np.isfinite(u).all(axis=(1, 2)) & np.isfinite(x).all(axis=(1, 2)))[:, None, None]
-    return starts._replace(u=np.where(finite, u, starts.u), x=np.where(finite, x, starts.x))
-
-
-def _together(parts: Sequence[Starts]) -> Starts:
-    """Starts of all manoeuvres, each with its number."""
-    numbered = [
-        part._replace(task=np.full(len(part.u), number, int)) for number, part in enumerate(parts)
-    ]
-    return Starts(*(np.concatenate(leaves) for leaves in zip(*numbered, strict=True)))
-
-
-def _substeps(starts: Starts) -> int:
-    """Runge-Kutta steps an interval that the turns of the starts ask for, a power of two."""
-    q = np.asarray(starts.x)[..., :4]
-    alike = np.clip(np.abs((q[:, 1:] * q[:, :-1]).sum(axis=-1)), 0.0, 1.0)
-    turned = float(2.0 * np.arccos(alike).max(initial=0.0))
-    asked = max(1, math.ceil(turned / _LONGEST_TURN))
-    return min(_MOST_SUBSTEPS, 1 << (asked - 1).bit_length())
-
-
-def _too_coarse(manoeuvres: Sequence[Manoeuvre], found: Sequence[Solved]) -> bool:
-    """Whether answers that the solver is content with do not arrive in flight."""
-    if manoeuvres[0].end is None or manoeuvres[0].terminal == "penalty":
-        return False
-    arrived: list[bool] = []
-    most = max(1, _FLOWN // len(manoeuvres))
-    # Those of the longest intervals first: they are the coarsest.
-    coarsest = sorted(zip(manoeuvres, found, strict=True), key=lambda pair: -pair[0].step)
-    for manoeuvre, solved in coarsest:
-        content = np.flatnonzero(np.isin(solved.status, (Status.CONVERGED, Status.FEASIBLE)))
-        best = content[np.argsort(-solved.claimed[content])][:most]
-        if len(best):
-            chosen = solved.pick(best)
-            verdict = judge_manoeuvre(manoeuvre, chosen.torque, chosen.dipole)
-            arrived += verdict.arrives.tolist()
-        if len(arrived) >= _FLOWN:
-            break
-    return bool(arrived) and float(np.mean(arrived)) < _FEW
-
-
-def _solved(
-    tasks: Sequence[WheelsTask], starts: Starts, solution: InteriorSolution
-) -> tuple[Solved, ...]:
-    """Answers to each manoeuvre in SI units, without the intervals that only fill up."""
-    of = np.asarray(starts.task)
-    first = tasks[0]
-    count, form, p = first.manoeuvre.intervals, first.form, first.parameters
-    finite = np.isfinite(solution.u).all(axis=(1, 2))
-    u = np.nan_to_num(np.asarray(solution.u))[:, :count]
-    dipole: Floats | None = None
-    if form.dipoles:
-        parts = u[..., -form.dipoles :] * np.tile(np.asarray(p.dipole_limit), 2)
-        dipole = parts[..., :3] - parts[..., 3:]
-    scaled = u[..., : form.wheels]
-    # The solver also pays a small price of effort, which is none of the energy.
-    step = np.array([task.manoeuvre.step for task in tasks])
-    paid = step[of] * float(p.effort) * (scaled**2).sum(axis=(1, 2))
-    loads = np.array([task.manoeuvre.load * task.manoeuvre.duration for task in tasks])
-    scale = np.array([float(task.parameters.energy_scale) for task in tasks])
-    whole = Solved(
-        torque=scaled * np.asarray(p.torque_limit),
-        dipole=dipole,
-        claimed=paid - np.asarray(solution.objective) * scale[of] - loads[of],
-        status=np.where(finite, solution.status, int(Status.NOT_FINITE)),
-        violation=np.asarray(solution.violation),
-        stationarity=np.asarray(solution.stationarity),
-        iterations=np.asarray(solution.iterations),
+    """Answers, the best of which are solved again on the manoeuvres' own intervals."""
+    best = [_worth_refining(solved) for solved in found]
+    parts = []
+    for task, solved, rows in zip(tasks, found, best, strict=True):
+        chosen = solved.pick(rows)
+        flight = fly(task.manoeuvre, chosen.torque, chosen.dipole)
+        parts.append(starts_from_flight(task, flight, chosen.dipole))
+    settings = replace(settings_for(tasks[0].form), barrier=_BARRIER)
+    told = None if report is None else _refining(report)
+    refined = solve_in_fine_steps(tasks, parts, told, None, room, settings, least)[1]
+    return tuple(
+        solved.replaced(rows, better)
+        for solved, rows, better in zip(found, best, refined, strict=True)
     )
-    return tuple(whole.pick(np.flatnonzero(of == number)) for number in range(len(tasks)))
+
+
+def _worth_refining(solved: Solved) -> Counts:
+    """Best answers that the solver is content with, those that differ first."""
+    content = np.isin(solved.status, (Status.CONVERGED, Status.FEASIBLE))
+    order = np.lexsort((-np.nan_to_num(solved.claimed, nan=-np.inf), ~content))
+    claimed = solved.claimed[order]
+    apart = np.abs(np.diff(claimed, prepend=np.inf)) > _APART * np.abs(claimed)
+    return np.concatenate([order[apart], order[~apart]])[:_REFINED]
+
+
+def _refining(report: Report) -> Report:
+    return lambda stage, done: report(f"{stage}, the best few in its own intervals", done)

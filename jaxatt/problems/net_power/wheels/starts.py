@@ -110,15 +110,20 @@ def follow_all(tasks: Sequence[WheelsTask], attitudes: Floats) -> tuple[Starts, 
     if form.charge:
         x = np.concatenate([x, _kept(begun[:, -1:], intervals)], axis=2)
     scale = np.array([float(task.parameters.power_scale) for task in tasks])[of]
-    u = _with_powers(tasks[0], total, scale, x, scaled)
-    u = _filled(u, len(np.asarray(p.stages.step)) - intervals)
-    x = _filled(x, u.shape[1] + 1 - x.shape[1], still=True)
+    u = with_powers(tasks[0], total, scale, x, scaled)
+    u = filled(u, len(np.asarray(p.stages.step)) - intervals)
+    x = filled(x, u.shape[1] + 1 - x.shape[1], still=True)
     reference = np.stack([np.asarray(task.parameters.reference) for task in tasks])[of]
-    sign = np.where(np.sum(q * reference, axis=1) < 0.0, -1.0, 1.0)
-    whole = Starts(u, x, sign[:, None] * reference, np.zeros(len(of), int))
+    whole = Starts(u, x, towards(reference, q), np.zeros(len(of), int))
     return tuple(
         Starts(*(leaf[k * count : (k + 1) * count] for leaf in whole)) for k in range(len(tasks))
     )
+
+
+def towards(reference: Floats, q: Floats) -> Floats:
+    """Attitudes (S, 4) with the sign that is nearer to where starts end, q (S, 4)."""
+    sign = np.where(np.sum(q * reference, axis=1) < 0.0, -1.0, 1.0)
+    return sign[:, None] * reference
 
 
 def _kept(first: Floats, intervals: int) -> Floats:
@@ -126,18 +131,25 @@ def _kept(first: Floats, intervals: int) -> Floats:
     return np.repeat(first[:, None], intervals + 1, axis=1)
 
 
-def _filled(along: Floats, more: int, still: bool = False) -> Floats:
+def filled(along: Floats, more: int, still: bool = False) -> Floats:
     """Add `more` rows to (S, n, c): zeros, or copies of the last one."""
     last = along[:, -1:] if still else np.zeros_like(along[:, -1:])
     return np.concatenate([along, np.repeat(last, more, axis=1)], axis=1)
 
 
-def _with_powers(
-    task: WheelsTask, total: Floats, scale: Floats, x: Floats, scaled: Floats
+def with_powers(
+    task: WheelsTask,
+    total: Floats,
+    scale: Floats,
+    x: Floats,
+    scaled: Floats,
+    dipoles: Floats | None = None,
+    room: float = _ROOM,
 ) -> Floats:
-    """Controls of the programme: torques, and what else it has.
+    """Controls of the programme: torques, magnitudes of their power, and dipoles where it has them.
 
-    total : (S, 3), momenta.  scale : (S,), of powers.
+    total : (S, 3), momenta where they are not carried.  scale : (S,), of powers.
+    dipoles : (S, N, 6), a little by default.  room : of magnitudes over the least ones.
     """
     p, form = task.parameters, task.form
     parts = [scaled]
@@ -152,9 +164,10 @@ def _with_powers(
         else:
             ends = [torque * spins for spins in (speeds[:, :-1], speeds[:, 1:])]
         power = np.concatenate(ends, axis=-1) / scale[:, None, None]
-        parts.append(np.maximum(float(p.taken) * power, -float(p.returned) * power) + _ROOM)
+        parts.append(np.maximum(float(p.taken) * power, -float(p.returned) * power) + room)
     if form.dipoles:
-        parts.append(np.full((*scaled.shape[:2], form.dipoles), _ROOM))
+        little = np.full((*scaled.shape[:2], form.dipoles), _ROOM)
+        parts.append(little if dipoles is None else dipoles)
     return np.concatenate(parts, axis=-1)
 
 
@@ -162,7 +175,10 @@ def _speeds(task: WheelsTask, total: Floats, x: Floats) -> Floats:
     """Wheel speeds as the power needs them at all nodes; see `coordinates.wheel_speeds`."""
     p, form = task.parameters, task.form
     y = x[..., 4 : 4 + form.stored]
-    momentum = rotated(conjugate(x[..., :4]), total[:, None])
+    held = total[:, None]
+    if form.torqued:
+        held = float(p.momentum_scale) * x[..., 4 + form.stored : 7 + form.stored]
+    momentum = rotated(conjugate(x[..., :4]), held)
     omega = momentum @ np.asarray(p.inverse).T - y @ np.asarray(p.to_rate).T
     axes, inertia = np.asarray(p.axes), np.asarray(p.wheel_inertia)
     if not form.each:

@@ -14,9 +14,10 @@ from jaxatt.environment.external import ExternalTorques
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Satellite
 from jaxatt.problems.net_power.sun_directions import Directions, best_directions
 from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.longer import at_nodes
 from jaxatt.problems.net_power.wheels.parameters import Management, WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.sampling import environment, sun_along
-from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.arrays import Counts, Floats
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.battery import Battery
 
@@ -34,12 +35,15 @@ class WheelsTask:
     """A manoeuvre as the solver sees it.
 
     best : directions, in body axes, from which the sun is best.
+    held : (M,), of how many of the manoeuvre's intervals each one of the programme is made; those
+    of the programme that only fill up are not counted.
     """
 
     manoeuvre: Manoeuvre
     form: WheelsForm
     parameters: WheelsParameters
     best: Directions = field(repr=False)
+    held: Counts = field(repr=False)
 
 
 def rotation(q: Floats) -> Floats:
@@ -51,13 +55,16 @@ def rotation(q: Floats) -> Floats:
 
 
 def wheels_task(
-    manoeuvre: Manoeuvre, substeps: int | None = None, size: int | None = None
+    manoeuvre: Manoeuvre,
+    substeps: int | None = None,
+    size: int | None = None,
+    held: Counts | None = None,
 ) -> WheelsTask:
     """Make the task of a manoeuvre.
 
     substeps : in place of the manoeuvre's own.  size : intervals of the programme where they are to
     be more than the manoeuvre's; those without length fill up, so that manoeuvres of several
-    lengths share a compiled search.
+    lengths share a compiled search.  held : see `WheelsTask`; by default one each.
     Raises ValueError where the satellite lacks what the manoeuvre asks for.
     """
     satellite = manoeuvre.satellite
@@ -78,8 +85,9 @@ def wheels_task(
         start.append(total / arms.scale)
     if form.charge:
         start.append(np.array([manoeuvre.charge / power.energy_scale]))
-    size = max(size or 0, manoeuvre.intervals)
-    stages, last_sun, last_shone = _stages(manoeuvre, form, power.battery, size)
+    held = np.ones(manoeuvre.intervals, int) if held is None else held
+    size = max(size or 0, len(held))
+    stages, last_sun, last_shone = _stages(manoeuvre, form, power.battery, size, held)
     end = manoeuvre.end
     reference = q if end is None else np.asarray(end.q_ib, float)
     ending = np.zeros(form.stored)
@@ -108,7 +116,6 @@ def wheels_task(
         effort=np.asarray(_EFFORT * power.best),
         panels=craft.panels,
         smoothing=np.asarray(SMOOTHING),
-        step=np.asarray(manoeuvre.step),
         stages=stages,
         torques=satellite.torques if form.torqued else ExternalTorques(),
         management=_management(satellite, craft, arms) if form.torqued else None,
@@ -128,7 +135,7 @@ def wheels_task(
         last_shone=last_shone,
         last_sun=last_sun,
     )
-    return WheelsTask(manoeuvre, form, WheelsParameters(**leaves), power.directions)
+    return WheelsTask(manoeuvre, form, WheelsParameters(**leaves), power.directions, held)
 
 
 def _checked(satellite: Satellite) -> Spacecraft:
@@ -298,19 +305,27 @@ def _management(satellite: Satellite, craft: Spacecraft, arms: _Arms) -> Managem
 
 
 def _stages(
-    manoeuvre: Manoeuvre, form: WheelsForm, battery: Battery, size: int
+    manoeuvre: Manoeuvre, form: WheelsForm, battery: Battery, size: int, held: Counts
 ) -> tuple[WheelStage, Any, Any]:
-    satellite, step, count = manoeuvre.satellite, manoeuvre.step, manoeuvre.intervals
+    satellite, count = manoeuvre.satellite, len(held)
     direction, shone = sun_along(
-        satellite.orbit, satellite.light, manoeuvre.start_time, step, count
+        satellite.orbit,
+        satellite.light,
+        manoeuvre.start_time,
+        manoeuvre.step,
+        manoeuvre.intervals,
     )
-    shone = float(battery.input_efficiency) * shone
+    nodes = np.concatenate([[0], np.cumsum(held)])
+    direction, shone = direction[nodes], float(battery.input_efficiency) * at_nodes(shone, nodes)
+    step = manoeuvre.step * held
     along = None
     if form.torqued and satellite.orbit is not None:
         within = (np.arange(form.substeps) + 0.5) / form.substeps
-        middles = manoeuvre.start_time + step * (np.arange(count)[:, None] + within)
+        middles = manoeuvre.start_time + manoeuvre.step * (
+            nodes[:-1, None] + held[:, None] * within
+        )
         along = environment(satellite.orbit, satellite.torques, satellite.gravity_gradient, middles)
-    parts: tuple[Any, ...] = (np.full(count, step), direction[:-1], shone[:-1], along)
+    parts: tuple[Any, ...] = (step, step, direction[:-1], shone[:-1], along)
     stages = WheelStage(*parts)
     idle = jax.tree.map(lambda leaf: np.repeat(leaf[-1:], size - count, axis=0), stages)
     nothing: Any = np.zeros(size - count)

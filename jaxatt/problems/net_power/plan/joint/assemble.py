@@ -11,25 +11,21 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
-from jaxatt.problems.net_power.plan.joint.crossing import (
-    crossing,
-    nothing_crossed,
-    stored_of,
-)
+from jaxatt.problems.net_power.plan.joint.crossing import crossing, nothing_crossed
 from jaxatt.problems.net_power.plan.joint.parameters import JointParameters, JointStage
 from jaxatt.problems.net_power.plan.manoeuvre import asked_pose
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.pose import Pose
 from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.from_flight import INSIDE, dipoles_of, states_of
+from jaxatt.problems.net_power.wheels.host import continuous
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
-from jaxatt.problems.net_power.wheels.programme import wheels_programme
-from jaxatt.problems.net_power.wheels.task import WheelsTask, rotation, wheels_task
+from jaxatt.problems.net_power.wheels.starts import with_powers
+from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Floats
 
 _ROOM = 1e-3
 """By which magnitudes of power begin above what they have to be at least."""
-_INSIDE = 0.999
-"""Share of the torque limits that a start uses at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +77,7 @@ def assembled(legs: Sequence[Leg], substeps: int) -> Assembled:
     intervals: list[slice] = []
     before = 0
     for index, (leg, task) in enumerate(zip(legs, open_ended, strict=True)):
-        q = _continuous(leg.q_ib)
+        q = continuous(leg.q_ib)
         if index and states[-1][-1, :4] @ q[0] < 0.0:
             q = -q
         count = 1 if task is None else leg.task.intervals
@@ -93,7 +89,7 @@ def assembled(legs: Sequence[Leg], substeps: int) -> Assembled:
         else:
             stages.append(_intervals(task, form))
             rows = slice(None)
-        state = _states(p, form, q[rows], leg.omega_ib[rows], leg.omega_bw[rows])
+        state = states_of(p, form, q[rows], leg.omega_ib[rows], leg.omega_bw[rows])
         if task is not None:
             controls.append(_controls(task, form, state, leg))
         if form.charge:
@@ -127,57 +123,17 @@ def _common(harvests: Sequence[WheelsTask]) -> WheelsForm:
     return form if len(forms) == 1 else replace(form, momentum="constant")
 
 
-def _continuous(q: Floats) -> Floats:
-    """Attitudes (M, 4) with signs that do not jump."""
-    same = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
-    continuous: Floats = q * np.concatenate([[1.0], np.cumprod(same)])[:, None]
-    return continuous
-
-
-def _states(
-    p: WheelsParameters, form: WheelsForm, q: Floats, omega: Floats, speeds: Floats
-) -> Floats:
-    """States of the programme, (M, s), without the charge."""
-    parts = [q, stored_of(p, form, omega, speeds)]
-    if form.torqued:
-        spun = speeds * np.asarray(p.wheel_inertia) @ np.asarray(p.axes).T
-        momentum = omega @ np.asarray(p.inertia).T + spun
-        turned = [rotation(each) @ h for each, h in zip(q, momentum, strict=True)]
-        parts.append(np.stack(turned) / float(p.momentum_scale))
-    return np.concatenate(parts, axis=1)
-
-
 def _controls(task: WheelsTask, form: WheelsForm, states: Floats, leg: Leg) -> Floats:
     """Controls (N, b) of the programme, with magnitudes of power a little above the least ones."""
     p, torque = task.parameters, leg.torque
     assert torque is not None
-    scaled = np.clip(torque / np.asarray(p.torque_limit), -_INSIDE, _INSIDE)
-    u = np.concatenate([scaled, np.zeros((len(torque), form.controls - form.wheels))], axis=1)
-    if leg.dipole is not None:
-        shares = np.clip(leg.dipole / np.asarray(p.dipole_limit), -_INSIDE, _INSIDE)
-        both = np.concatenate([np.maximum(shares, 0.0), np.maximum(-shares, 0.0)], axis=1)
-        u[:, form.wheels + form.powers :] = both
-    if not form.powers:
-        return u
-    x = states[:-1]
-    if form.charge:
-        x = np.concatenate([x, np.zeros((len(x), 1))], axis=1)
-    missing = -np.asarray(_margins(form, x, u, p))[:, : 2 * form.powers]
-    u[:, form.wheels : form.wheels + form.powers] = _ROOM + np.maximum(
-        missing[:, 0::2], missing[:, 1::2]
-    )
-    return u
-
-
-def _margins(form: WheelsForm, x: Floats, u: Floats, p: WheelsParameters) -> Any:
-    """Inequalities (N, p) of the intervals of a harvest."""
-    program = wheels_programme(form)
-
-    @jax.jit
-    def at(x: Any, u: Any, p: WheelsParameters) -> Any:
-        return jax.vmap(program.inequalities, in_axes=(0, 0, 0, None))(x, u, p.stages, p)
-
-    return at(x, u, p)
+    scaled = np.clip(torque / np.asarray(p.torque_limit), -INSIDE, INSIDE)
+    dipoles = None if leg.dipole is None else dipoles_of(p, leg.dipole)[None]
+    scale, total = np.asarray(p.power_scale)[None], np.asarray(p.total)[None]
+    common = replace(task, form=form)
+    whole = with_powers(common, total, scale, states[None], scaled[None], dipoles, _ROOM)
+    found: Floats = whole[0]
+    return found
 
 
 def _intervals(task: WheelsTask, form: WheelsForm) -> JointStage:
@@ -187,7 +143,6 @@ def _intervals(task: WheelsTask, form: WheelsForm) -> JointStage:
         crossing=jnp.zeros(count),
         interval=jax.tree.map(jnp.asarray, p.stages),
         across=_repeated(nothing_crossed(form), count),
-        step=jnp.full(count, float(p.step)),
         load=jnp.full(count, float(p.load)),
     )
 
@@ -210,7 +165,6 @@ def _across(
         crossing=jnp.ones(1),
         interval=idle._replace(shone=jnp.zeros(1)),
         across=_repeated(crossing(p, form, leg.manoeuvre, pose, end), 1),
-        step=jnp.full(1, float(p.step)),
         load=jnp.zeros(1),
     )
 

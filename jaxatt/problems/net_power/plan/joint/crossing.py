@@ -13,23 +13,13 @@ from jaxatt.problems.net_power.plan.hold import fly_held
 from jaxatt.problems.net_power.plan.joint.parameters import Crossing
 from jaxatt.problems.net_power.pose import Pose
 from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.from_flight import stored_of
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.task import rotation
 from jaxatt.runtime.arrays import Floats
 
 _AWAY = 0.02
 """[rad/s], of the momentum's coordinates between neighbours: some 10 rad/s of a wheel."""
-
-
-def stored_of(p: WheelsParameters, form: WheelsForm, omega: Floats, speeds: Floats) -> Floats:
-    """Coordinates (..., k) of the wheels' momentum; omega (..., 3), speeds (..., n) [rad/s]."""
-    axes, inertia = np.asarray(p.axes), np.asarray(p.wheel_inertia)
-    axial = inertia * (speeds + omega @ axes)
-    if form.each:
-        each: Floats = axial / float(p.momentum_scale)
-        return each
-    summed: Floats = axial @ axes.T @ np.asarray(p.inverse).T
-    return summed
 
 
 def _faster(p: WheelsParameters, form: WheelsForm, change: Floats) -> Floats:

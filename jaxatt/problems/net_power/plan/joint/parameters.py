@@ -38,13 +38,12 @@ class JointStage(NamedTuple):
     """A stage of the plan: an interval of a harvest, or a whole task of prescribed attitude.
 
     crossing : () 1 for a task, 0 for an interval.  interval, across : what each of them needs; the
-    other one's is there, but not read.  step : () [s] and load : () [W], of the interval.
+    other one's is there, but not read.  load : () [W], of the interval.
     """
 
     crossing: Array
     interval: WheelStage
     across: Crossing
-    step: Array
     load: Array
 
 

@@ -34,7 +34,7 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
     first = 3 + k  # of the total momentum among the errors
 
     def own(stage: JointStage, p: JointParameters) -> WheelsParameters:
-        return replace(p.wheels, step=stage.step, load=stage.load)
+        return replace(p.wheels, load=stage.load)
 
     def chosen(stage: JointStage, task: Any, interval: Any) -> Any:
         return jax.tree.map(lambda a, b: jnp.where(stage.crossing > 0.0, a, b), task, interval)
@@ -51,7 +51,7 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
         controls, wheels = at.split(u, form), p.wheels
         effort = wheels.effort * jnp.sum(controls.scaled**2)
         used = jnp.sum(controls.powers) + jnp.sum(controls.dipoles)
-        return stage.step / wheels.energy_scale * (effort + wheels.power_scale * used)
+        return stage.interval.paid / wheels.energy_scale * (effort + wheels.power_scale * used)
 
     def crossed(x: Array, stage: JointStage, p: JointParameters) -> Array:
         across = stage.across
@@ -133,7 +133,7 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
             x, u, x_next, stage.interval, own(stage, p), costate, kept
         )
         weight = 1.0 - costate[n - 1] if form.charge else jnp.ones(())
-        pulled = 2.0 * stage.step * p.wheels.effort / p.wheels.energy_scale
+        pulled = 2.0 * stage.interval.paid * p.wheels.effort / p.wheels.energy_scale
         effort = jnp.zeros(n + size, x.dtype).at[n : n + form.wheels].set(pulled)
         task = jnp.diag(effort).at[3:first, 3:first].add(weight * stage.across.bend)
         return jnp.asarray(chosen(stage, task, interval))
