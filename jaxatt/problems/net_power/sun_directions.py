@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 
 import jax
@@ -40,8 +40,20 @@ def area_seen(panels: SolarPanels, sun: Array | Floats) -> Array:
     return collecting_area(panels, sun)
 
 
+_known: dict[Hashable, Directions] = {}
+"""Directions of panels that were asked for before: those of one vehicle serve all manoeuvres."""
+
+
 def best_directions(panels: SolarPanels) -> Directions:
     """Find the best directions of the sun in body axes: all maxima nearly as good as the best."""
+    leaves, tree = jax.tree.flatten(panels)
+    key = (tree, *(np.asarray(leaf).tobytes() for leaf in leaves))
+    if key not in _known:
+        _known[key] = _searched(panels)
+    return _known[key]
+
+
+def _searched(panels: SolarPanels) -> Directions:
     grid = sphere()
     areas = np.asarray(area_seen(panels, grid))
     order = np.argsort(-areas, kind="stable")

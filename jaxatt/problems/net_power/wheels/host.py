@@ -7,11 +7,18 @@ import numpy as np
 from jaxatt.runtime.arrays import Floats
 
 
+def cross(a: Floats, b: Floats) -> Floats:
+    """Cross product (..., 3), several times faster than NumPy's for few vectors."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    u, v, w = b[..., 0], b[..., 1], b[..., 2]
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=-1)
+
+
 def product(p: Floats, q: Floats) -> Floats:
     """Quaternion product (..., 4) of quaternions that broadcast."""
     u, v = p[..., 1:], q[..., 1:]
     w = p[..., :1] * q[..., :1] - np.sum(u * v, axis=-1, keepdims=True)
-    return np.concatenate([w, p[..., :1] * v + q[..., :1] * u + np.cross(u, v)], axis=-1)
+    return np.concatenate([w, p[..., :1] * v + q[..., :1] * u + cross(u, v)], axis=-1)
 
 
 def conjugate(q: Floats) -> Floats:
@@ -43,5 +50,5 @@ def logarithm(q: Floats) -> Floats:
 
 def rotated(q: Floats, v: Floats) -> Floats:
     """Vector (..., 3) from body to inertial axes, R(q) v."""
-    twice = 2.0 * np.cross(q[..., 1:], v)
-    return v + q[..., :1] * twice + np.cross(q[..., 1:], twice)
+    twice = 2.0 * cross(q[..., 1:], v)
+    return v + q[..., :1] * twice + cross(q[..., 1:], twice)

@@ -11,10 +11,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jaxatt.problems.net_power.wheels.host import conjugate, logarithm, product, rotated
+from jaxatt.problems.net_power.wheels.host import (
+    conjugate,
+    cross,
+    exponential,
+    logarithm,
+    product,
+    rotated,
+)
 from jaxatt.problems.net_power.wheels.paths import references, ways
 from jaxatt.problems.net_power.wheels.task import WheelsTask
-from jaxatt.problems.net_power.wheels.turn import increment, turned
+from jaxatt.problems.net_power.wheels.turn import turned
 from jaxatt.runtime.arrays import Floats
 
 _BANDWIDTH = 0.4
@@ -90,17 +97,15 @@ def follow_all(tasks: Sequence[WheelsTask], attitudes: Floats) -> tuple[Starts, 
         wanted = 0.5 * (rates[:, max(k - 1, 0)] + rates[:, k])
         ahead = (rates[:, min(k + 1, intervals)] - rates[:, max(k - 1, 0)]) / (2.0 * h)
         change = ahead - 2.0 * _DAMPING * bandwidth * (omega - wanted) - bandwidth**2 * missed
-        turning = np.cross(momentum, omega)
+        turning = cross(momentum, omega)
         scaled = np.clip((turning - change @ without.T) @ spread.T, -_WITHIN, _WITHIN)
         states.append((q, y))
         controls.append(scaled)
         slope = scaled @ to_stored.T @ to_rate.T
         speeding = turning @ inverse.T - slope
-        bend = (np.cross(turning, omega) + np.cross(momentum, speeding)) @ inverse.T
-        dq = np.stack(
-            increment(turned(tuple(omega.T), tuple(speeding.T), tuple(bend.T), h[:, 0])), -1
-        )
-        q, y = product(q, dq), y + h * scaled @ to_stored.T
+        bend = (cross(turning, omega) + cross(momentum, speeding)) @ inverse.T
+        turn: Any = turned(tuple(omega.T), tuple(speeding.T), tuple(bend.T), h[:, 0])
+        q, y = product(q, exponential(np.stack(turn, -1))), y + h * scaled @ to_stored.T
     states.append((q, y))
     parts = [np.stack([s[i] for s in states], axis=1) for i in range(2)]
     if form.torqued:
