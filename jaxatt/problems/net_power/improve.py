@@ -19,7 +19,8 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report
 
-_SUBSTEPS = 2
+_SUBSTEPS = 4
+"""Runge-Kutta steps an interval, as many as the harvests have by themselves."""
 _WORSE = 1e-6
 """[J], by which a plan may earn less and still be no worse."""
 
