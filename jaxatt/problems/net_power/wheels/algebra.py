@@ -37,12 +37,14 @@ def conjugate(q: Components) -> Components:
     return q[0], -q[1], -q[2], -q[3]
 
 
-def outer(a: Array | Sequence[Array], b: Array | Sequence[Array]) -> Array:
-    """Sum of the products of the rows of a and of b, (z, z)."""
-    total = a[0][:, None] * b[0][None]
-    for k in range(1, len(a)):
-        total = total + a[k][:, None] * b[k][None]
-    return total
+def symmetric_product(left: Sequence[Array], right: Sequence[Array]) -> Array:
+    """Sum of the products of the rows of both sides, and its transpose, (z, z).
+
+    left, right : stacks (r, z) of rows.  One product of matrices, which XLA does not take apart:
+    from sums of rank-one products it makes one loop that computes all rows again for every entry.
+    """
+    half = jnp.concatenate(left).T @ jnp.concatenate(right)
+    return half + half.T
 
 
 def times_rows(matrix: Array | Matrix3, rows: Components) -> Components:

@@ -15,7 +15,7 @@ from jaxatt.multistart.driver import run_starts
 from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
-from jaxatt.optimize.interior_point.state import SMALL_SHIFTS
+from jaxatt.optimize.interior_point.state import SMALL_SHIFTS, Shifts
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.programme import wheels_programme
@@ -23,10 +23,13 @@ from jaxatt.problems.net_power.wheels.starts import Starts
 from jaxatt.problems.net_power.wheels.task import WheelsTask
 from jaxatt.runtime.chunks import Report
 
+_SHIFTS = Shifts(3e-4, 6.0, 4.0, 6e-6)
+"""Where nothing but the wheels turns the body, curvature is missing seldom and soon there again."""
+
 SETTINGS = InteriorSettings(
-    tolerance=1e-6, barrier=1e-2, max_iterations=150, shifts=SMALL_SHIFTS, crossover_from=0.0
+    tolerance=1e-6, barrier=1e-2, max_iterations=60, shifts=_SHIFTS, crossover_from=0.0
 )
-_TORQUED = replace(SETTINGS, max_iterations=60, own_costates=True, settling=10)
+_TORQUED = replace(SETTINGS, shifts=SMALL_SHIFTS, own_costates=True, settling=10)
 """Over an orbit with its shadow, much of a manoeuvre earns the same whatever it does; what is left
 to gain after so many passes is some ten joules of tens of thousands."""
 

@@ -26,8 +26,8 @@ from jaxatt.problems.net_power.wheels.algebra import (
     composed,
     dot,
     inverse,
-    outer,
     skew,
+    symmetric_product,
     times_rows,
 )
 from jaxatt.problems.net_power.wheels.kept import Kept
@@ -64,7 +64,7 @@ def lagrangian_hessian(
     by_turn = times_rows(kept.back.T, cross(turning, half))
     curved = {pair: paid * kept.sunlit[k] for k, pair in enumerate(PAIRS)}
     pressed = added(force, cross(turn, half))
-    products = jnp.zeros((rows.width, rows.width))
+    left, right = [kept.turning], []
     if form.momentum != "zero":
         of = _momentum(rows, x, h, p, pressed)
         seen = of.seen @ kept.rates
@@ -72,7 +72,8 @@ def lagrangian_hessian(
         if form.torqued:
             carried = rows.carried(at.quaternion(x), p)
             by_turn = added(by_turn, cross(of.early, carried))
-            products = jnp.stack(carried).T @ seen
+            left.append(jnp.stack(carried))
+            right.append(seen)
         # M' = M x omega by the rate alone, with the turn over h for the rate.
         level, stiff = dot(of.far, of.total), 0.5 * inverse(h)
         for i in range(3):
@@ -87,15 +88,17 @@ def lagrangian_hessian(
     wound = _stacked(skew(times(h / 12.0, pressed)))
     turned = jnp.concatenate([0.5 * _stacked(bend), wound, -wound], axis=1)
     # Products of matrices: what they take in is there once, and not computed again by XLA.
-    by_bend = turned @ jnp.concatenate([kept.turning, kept.rates])
-    products = products + kept.turning.T @ by_bend
+    right.insert(0, turned @ jnp.concatenate([kept.turning, kept.rates]))
     facing = [[0.5 * curved[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
     at_turn = [by_turn[i] + rows.row(turn=jnp.stack(facing[i])) for i in range(3)]
-    products = products + jnp.concatenate(
-        [jnp.stack(at_turn), jnp.zeros((rows.width - 3, rows.width))]
-    )
-    products = products + _of_controls(rows, stage, p, paid, kept)
-    return products + products.T
+    left.append(jnp.eye(3, rows.width))
+    right.append(jnp.stack(at_turn))
+    for own, weighed in _of_dipoles(rows, stage, p, paid, kept):
+        left.append(own)
+        right.append(weighed)
+    effort = 2.0 * stage.paid * p.effort / p.energy_scale
+    of_torques = jnp.diag(rows.row(torques=jnp.ones(form.wheels) * effort))
+    return symmetric_product(left, right) + of_torques
 
 
 class _Momentum(NamedTuple):
@@ -139,24 +142,22 @@ def _momentum(
     return _Momentum(total, early, far, seen)
 
 
-def _of_controls(
+def _of_dipoles(
     rows: Rows, stage: WheelStage, p: WheelsParameters, paid: Array, kept: Kept
-) -> Array:
-    """Half of what efforts and dipoles cost to second order."""
+) -> list[tuple[Array, Array]]:
+    """Rows whose products are half of what dipoles cost to second order."""
     form = rows.form
-    effort = stage.paid * p.effort / p.energy_scale
-    total = jnp.diag(rows.row(torques=jnp.ones(form.wheels) * effort))
     if form.magnetorquers == "managing":
         size = jnp.sqrt(kept.dipole**2 + p.rounding**2)
         price = p.dipole_price * p.rounding**2 / (size * size * size)
         weight = 0.5 * paid * stage.step / p.energy_scale * (price + 2.0 * p.dipole_loss)
-        total = total + outer(kept.by_dipole, weight[:, None] * kept.by_dipole)
+        return [(kept.by_dipole, weight[:, None] * kept.by_dipole)]
     if form.dipoles:
         lost = paid * stage.paid * p.dipole_loss * p.dipole_limit**2 / p.energy_scale
         ways = jnp.concatenate([jnp.eye(3), -jnp.eye(3)], axis=1)
         each = jnp.stack([rows.row(dipoles=ways[i]) for i in range(3)])
-        total = total + outer(each, lost[:, None] * each)
-    return total
+        return [(each, lost[:, None] * each)]
+    return []
 
 
 def _three(rows: Array) -> Components:

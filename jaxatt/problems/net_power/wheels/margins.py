@@ -9,7 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.problems.net_power.wheels import coordinates as at
-from jaxatt.problems.net_power.wheels.algebra import outer
+from jaxatt.problems.net_power.wheels.algebra import symmetric_product
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.rows import Rows
 
@@ -110,5 +110,4 @@ def path_hessian(
         own, n = jnp.eye(form.wheels), form.wheels
         pushed = [rows.row(torques=own[k] * p.torque_limit[k]) for k in range(n)]
         felt = [weight[k] * kept.spins[k] + weight[n + k] * kept.spins[n + k] for k in range(n)]
-    half = outer(pushed, felt)
-    return half + half.T
+    return symmetric_product([jnp.stack(pushed)], [jnp.stack(felt)])
