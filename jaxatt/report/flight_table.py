@@ -10,6 +10,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import indices_text, plural, short
 from jaxatt.report.flight_record import FlightRecord
 from jaxatt.report.flight_summary import flight_summary, units
@@ -78,13 +79,7 @@ def comparison_table(scenario: FlightScenario, lines: Sequence[Mapping[str, Any]
 
     lines : as `jaxatt.studies.flight_comparison.Line` holds them.
     """
-    table = Table(
-        title=Text(f"{scenario.title}\nprinted: {scenario.source}", style="bold"),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = dense_table(f"{scenario.title}\nprinted: {scenario.source}")
     for name in ("law", "figure", "obtained", "printed", ""):
         table.add_column(name)
     before = ""

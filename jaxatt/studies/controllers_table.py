@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import indices_text, short
 
 
@@ -96,13 +96,7 @@ def _printed(printed: Mapping[str, Any]) -> Text:
 
 
 def _controllers(headers: Sequence[str], title: str) -> Table:
-    table = Table(
-        title=Text(title, style="bold"),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = dense_table(title)
     table.add_column("controller", no_wrap=True)
     for header in headers:
         table.add_column(Text(header), justify="left" if header == "intervals" else "right")

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import short
 
 # In the order of table 5.8.
@@ -83,13 +83,7 @@ def _printed(text: str) -> Text:
 
 def _table(title: str, headers: Sequence[str], alone: Sequence[str] = ()) -> Table:
     """Empty table; headers : with a column for printed values behind each.  alone : without."""
-    table = Table(
-        title=Text(title, style="bold"),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = dense_table(title)
     table.add_column("", no_wrap=True)
     for header in alone:
         table.add_column(Text(header), justify="right", no_wrap=True)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich import box
 from rich.console import Group
 from rich.table import Table
 from rich.text import Text
 
+from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import short
 
 _WORDS = {"euler": "forward Euler", "rk4": "Runge-Kutta"}
@@ -53,13 +53,7 @@ def time_table(title: str, rows: Sequence[Mapping[str, Any]], printed: Mapping[s
 
 
 def _table(title: str, headers: Sequence[str]) -> Table:
-    table = Table(
-        title=Text(title, style="bold"),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = dense_table(title)
     table.add_column("turn", no_wrap=True)
     table.add_column("transcription", no_wrap=True)
     for header in headers:

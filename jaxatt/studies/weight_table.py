@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import short
 from jaxatt.runtime.arrays import Floats
 
@@ -83,13 +83,7 @@ def _alike(time: Floats, energy: Floats) -> list[tuple[int, int]]:
 
 
 def _table(title: str, headers: Sequence[str]) -> Table:
-    table = Table(
-        title=Text(title, style="bold"),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = dense_table(title)
     table.add_column("k3 [W/s]", no_wrap=True)
     for header in headers:
         table.add_column(Text(header), justify="right")

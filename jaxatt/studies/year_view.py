@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.dates import ConciseDateFormatter
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.records.dense_table import dense_table
 from jaxatt.runtime.arrays import Floats
 from jaxatt.studies.year_dates import date_of
 
@@ -37,14 +37,9 @@ def year_table(title: str, rows: Sequence[Row], last_line: str) -> Table:
     """Table of some dates, evenly apart, and below it all that fail, with the reason."""
     count = len(rows)
     picked = sorted({round(k) for k in np.linspace(0, count - 1, min(_SHOWN, count))})
-    table = Table(
-        title=Text(f"{title}: {count} {'date' if count == 1 else 'dates'}", style="bold"),
-        caption=Text("\n".join(_caption(rows, len(picked) < count, last_line))),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        caption_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
+    table = dense_table(
+        f"{title}: {count} {'date' if count == 1 else 'dates'}",
+        Text("\n".join(_caption(rows, len(picked) < count, last_line))),
     )
     table.add_column("date", no_wrap=True)
     for name in _COLUMNS.values():

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
@@ -15,6 +14,7 @@ from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import HARVEST
 from jaxatt.problems.net_power.record import Energy, energy_of, net_power
 from jaxatt.problems.net_power.report.plan_course import is_plan
+from jaxatt.records.dense_table import dense_table
 from jaxatt.records.phase import Phase
 
 _COLUMNS = ("mode", "start", "time\n[s]", "net\n[J]", "PD law\n[J]", "gain\n[J]", "gain\n[%]")
@@ -25,15 +25,7 @@ def plan_table(answer: Answer) -> Table | None:
     """Table of a plan, 80 columns wide at least; None for a single manoeuvre."""
     if not is_plan(answer):
         return None
-    table = Table(
-        title=Text(answer.scenario.title, style="bold"),
-        caption=_caption(answer),
-        box=box.SIMPLE_HEAD,
-        title_justify="left",
-        caption_justify="left",
-        padding=(0, 1, 0, 0),
-        pad_edge=False,
-    )
+    table = dense_table(answer.scenario.title, _caption(answer))
     table.add_column("task", overflow="fold")
     for name in _COLUMNS:
         table.add_column(Text(name), justify="left" if name == "mode" else "right", no_wrap=True)
