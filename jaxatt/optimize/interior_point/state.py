@@ -16,6 +16,7 @@ RUNNING = -1
 """The status of a start that has not ended."""
 
 
+@jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class Shifts:
     """Regularisation of the Hessian where a model is not convex or a step is rejected.
@@ -40,7 +41,7 @@ SMALL_SHIFTS = Shifts(1e-5, 6.0, 2.0, 2e-7)
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
 class InteriorSettings:
-    """Settings; all but the last two are traced.
+    """Settings; all but the last three are traced.
 
     tolerance : of violation, scaled stationarity and complementarity.
     barrier : the first one.  factor, power : a solved barrier b becomes min(factor b, b^power).
@@ -63,7 +64,7 @@ class InteriorSettings:
     row_penalty: float = 1e7
     crossover_from: float = 1e-3
     max_iterations: int = 200
-    shifts: Shifts = field(default=LARGE_SHIFTS, metadata={"static": True})
+    shifts: Shifts = LARGE_SHIFTS
     renewals: int = field(default=0, metadata={"static": True})
     own_costates: bool = field(default=False, metadata={"static": True})
     settling: int = field(default=0, metadata={"static": True})

@@ -10,6 +10,7 @@ import numpy as np
 from jaxatt.problems.family import Improved, PhaseStart
 from jaxatt.problems.net_power.answers import Answers, judged, phase_manoeuvre
 from jaxatt.problems.net_power.build import carried_on, options_of
+from jaxatt.problems.net_power.corrected import corrected
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.manoeuvre import Motion
 from jaxatt.problems.net_power.plan.joint.assemble import Leg
@@ -80,13 +81,17 @@ def _leg(scenario: Scenario, index: int, phase: Phase) -> Leg:
 def _flown(
     scenario: Scenario, answer: JointAnswer, before: Sequence[Phase]
 ) -> tuple[list[Phase], list[Answers]]:
-    """Fly all tasks again, each from the flown end of the one before."""
+    """Fly all tasks again, each from the flown end of the one before.
+
+    The torques are corrected for where that is: tiny rates that are left turn far until the end.
+    """
     start = PhaseStart()
     phases: list[Phase] = []
     answers: list[Answers] = []
     for torque, dipole, old in zip(answer.torque, answer.dipole, before, strict=True):
         solved = None
         if torque is not None:
+            torque = corrected(phase_manoeuvre(scenario, start), torque, dipole)
             solved = Solved(
                 torque[None],
                 None if dipole is None else dipole[None],

@@ -23,8 +23,8 @@ from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
 from jaxatt.runtime.arrays import Floats
 
-_ACTIVE = 1e-6
-"""[N m], torque above which an interval counts as active."""
+_ACTIVE = 1e-3
+"""Share of its limit above which a control makes an interval count as active."""
 
 
 def energy_of_flight(
@@ -118,8 +118,12 @@ def phase_of(
     energy = energy_of_flight(manoeuvre, flight, best, baseline)
     step = float(flight.step[best])
     torque = flight.wheel_torque[best]
-    decided = solved.torque if solved.dipole is None or torque.shape[1] else solved.dipole
-    active = np.abs(decided) > _ACTIVE
+    craft = manoeuvre.satellite.craft
+    decided, limit = solved.torque, craft.wheels.torque_limit
+    if solved.dipole is not None and not torque.shape[1]:
+        assert craft.magnetorquers is not None
+        decided, limit = solved.dipole, craft.magnetorquers.dipole_limit
+    active = np.abs(decided) > _ACTIVE * np.asarray(limit)
     penalised = manoeuvre.terminal != "reach"
     end, reference = manoeuvre.end, {}
     if end is not None:

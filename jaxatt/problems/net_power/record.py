@@ -102,7 +102,8 @@ class NetPower(Section):
         total = energy_of(phases)
         text = f"net energy {total.net:.1f} J"
         if total.gain is not None and total.baseline:
-            text += f" ({total.gain:+.1f} J over the sun-pointing law)"
+            than = "more" if total.gain >= 0.0 else "less"
+            text += f" ({abs(total.gain):.1f} J {than} than the sun-pointing law)"
         return text
 
     def brief(self, phases: Sequence[Phase]) -> str:

@@ -27,8 +27,8 @@ _REFINED = 4
 """Answers of the first search, the best of each manoeuvre, that are solved on its own intervals."""
 _APART = 1e-5
 """Difference of two answers, as a share of the energy, from which both are worth refining."""
-_BARRIER = 1e-4
-"""The first one from an answer of the first search."""
+_BARRIER, _PASSES = 1e-4, 40
+"""First barrier and most passes from an answer of the first search."""
 _SHARED_STEPS = 4
 """Runge-Kutta steps an interval of manoeuvres that share a compiled program: those that need fewer
 lose less by them than by a program of their own."""
@@ -57,7 +57,7 @@ def search_wheels(
     least = _SHARED_STEPS if shared else 1
     tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
     drawn = draw_all(tasks, count, seed)
-    if intervals < _LONG or count <= _REFINED:
+    if intervals < _LONG:
         return solve_in_fine_steps(tasks, drawn, report, room=room, least=least)[1]
     held = longer_intervals(intervals, _FIRST)
     first = [wheels_task(manoeuvre, None, _FIRST, held) for manoeuvre in manoeuvres]
@@ -89,7 +89,7 @@ def _refined(
         chosen = solved.pick(rows)
         flight = fly(task.manoeuvre, chosen.torque, chosen.dipole)
         parts.append(starts_from_flight(task, flight, chosen.dipole))
-    settings = replace(settings_for(tasks[0].form), barrier=_BARRIER)
+    settings = replace(settings_for(tasks[0].form), barrier=_BARRIER, max_iterations=_PASSES)
     told = None if report is None else _refining(report)
     refined = solve_in_fine_steps(tasks, parts, told, None, room, settings, least)[1]
     return tuple(
