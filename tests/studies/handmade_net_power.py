@@ -52,6 +52,7 @@ def phase(
             start_score=np.full(6, net),
             share=0.5,
             minima=2,
+            refined=6,
             violation=1e-9,
             stationarity=1e-7,
             shadow=(),

@@ -25,6 +25,8 @@ class Solved:
     torque : (S, N, n) [N m].  dipole : (S, N, 3) [A m^2], or None where it was not decided.
     claimed : (S,) [J], net energy by the solver's own count.
     status : (S,) `Status`.  violation, stationarity : (S,).  iterations : (S,).
+    refined : (S,), whether they were solved on the manoeuvre's own intervals, not on longer ones
+    alone; None where all were.
     """
 
     torque: Floats
@@ -34,6 +36,7 @@ class Solved:
     violation: Floats
     stationarity: Floats
     iterations: npt.NDArray[np.int64]
+    refined: Flags | None = None
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Solved:
         """Answers of some of the starts."""
@@ -46,10 +49,11 @@ class Solved:
             self.violation[rows],
             self.stationarity[rows],
             self.iterations[rows],
+            None if self.refined is None else self.refined[rows],
         )
 
     def replaced(self, rows: npt.NDArray[np.int64], by: Solved) -> Solved:
-        """Answers with those of some starts replaced, and the passes of both added up."""
+        """Answers with those of some starts refined, and the passes of both added up."""
 
         def put(old: Any, new: Any) -> Any:
             whole = old.copy()
@@ -64,6 +68,7 @@ class Solved:
             put(self.violation, by.violation),
             put(self.stationarity, by.stationarity),
             put(self.iterations, self.iterations[rows] + by.iterations),
+            put(np.zeros(len(self.status), bool), True),
         )
 
 

@@ -172,6 +172,7 @@ def phase_of(
             start_score=flown.score,
             share=flown.share,
             minima=flown.minima,
+            refined=len(solved.status) if solved.refined is None else int(solved.refined.sum()),
             violation=float(solved.violation[best]),
             stationarity=float(solved.stationarity[best]),
             shadow=_shadow(manoeuvre.satellite, manoeuvre.start_time, duration),

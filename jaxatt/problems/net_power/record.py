@@ -64,6 +64,8 @@ class NetPower(Section):
     start_score : (S,), what starts are ranked by, the most first: that energy, or the cost [J], or
     [W] for mean power, with its sign changed.  cost : of the answer; None where it is the energy.
     share : of the starts, those that reached and are at the best.  minima : different ones.
+    refined : starts whose answer was solved on the manoeuvre's own intervals; those of a long one
+    but for the best few are answers on longer intervals.
     violation, stationarity : of the solver at the answer.
     shadow : passages through the Earth's shadow, in times since the epoch.
     baseline : name -> series of the PD law's flight, as the phase's own.
@@ -85,6 +87,7 @@ class NetPower(Section):
     start_score: Floats
     share: float
     minima: int
+    refined: int
     violation: float
     stationarity: float
     shadow: tuple[Eclipse, ...]
@@ -126,6 +129,7 @@ def with_starts_of(phase: Phase, old: Phase) -> Phase:
         start_score=was.start_score,
         share=was.share,
         minima=was.minima,
+        refined=was.refined,
     )
     return replace(phase, starts=old.starts, section=section)
 

@@ -41,6 +41,7 @@ def names(phase: Phase) -> Block:
             "claimed_J": found.claimed,
             "cost": found.cost,
             "share_at_best": found.share,
+            "refined_starts": found.refined,
             "minima": found.minima,
             "shadow_s": [
                 {name: None if math.isnan(time) else time for name, time in vars(passage).items()}

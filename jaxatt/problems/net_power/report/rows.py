@@ -81,7 +81,10 @@ def _optimality(block: Block) -> str:
     if found is None or kkt["violation"] is None:
         return ""
     minima = "1 minimum" if found["minima"] == 1 else f"{found['minima']} minima"
+    starts = block["starts"]["requested"]
+    few = f"{found['refined_starts']} of {starts} solved on the shortest intervals, "
     return (
         f"violation {short(kkt['violation'], 2)}, stationarity {short(kkt['stationarity'], 2)}; "
+        f"{few if found['refined_starts'] < starts else ''}"
         f"{100.0 * found['share_at_best']:.3g} % of the starts at the best of {minima}"
     )

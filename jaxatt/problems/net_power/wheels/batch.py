@@ -53,7 +53,11 @@ class WheelsJob:
 
     form: WheelsForm
     several: bool
-    label: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Label for `jaxatt.runtime.compilation`."""
+        return f"net power, {'several' if self.several else 'one'}, {self.form}"
 
     @property
     def program(self) -> Any:

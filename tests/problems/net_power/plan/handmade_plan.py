@@ -67,6 +67,7 @@ def task_phase(scenario: scenarios.Scenario, task: Task) -> Phase:
             start_score=np.zeros(6),
             share=0.5,
             minima=1,
+            refined=6,
             violation=0.0,
             stationarity=0.0,
             shadow=(),

@@ -46,7 +46,11 @@ class _Job:
     """Static part of the solve, as `run_starts` needs it."""
 
     form: WheelsForm
-    label: str | None = None
+
+    @property
+    def label(self) -> str:
+        """Label for `jaxatt.runtime.compilation`."""
+        return f"net power, all tasks, {self.form}"
 
     @property
     def program(self) -> Any:
