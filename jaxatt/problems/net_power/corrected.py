@@ -15,8 +15,6 @@ from jaxatt.problems.net_power.manoeuvre import End, Manoeuvre
 from jaxatt.problems.net_power.wheels.host import conjugate, logarithm, product
 from jaxatt.runtime.arrays import Floats
 
-_TRIAL = 1e-3
-"""Share of the weakest wheel's torque limit that a flight tries."""
 _ENOUGH = 0.02
 """Share of the tolerances with which a correction is content."""
 _MOST = 3
@@ -28,12 +26,14 @@ def corrected(manoeuvre: Manoeuvre, torque: Floats, dipole: Floats | None = None
     torque : (N, n) [N m] and dipole : (N, 3) [A m^2], whose flight ends near there.
     Torques stay within their limits; where that leaves no way, the flight still misses.
     """
-    end, wheels = manoeuvre.end, manoeuvre.satellite.craft.wheels
+    end, craft = manoeuvre.end, manoeuvre.satellite.craft
     if end is None or manoeuvre.terminal != "reach":
         return torque
-    limit, axes = np.asarray(wheels.torque_limit), np.asarray(wheels.axes)
+    limit, axes = np.asarray(craft.wheels.torque_limit), np.asarray(craft.wheels.axes)
     ways = _ways(len(torque), np.linalg.pinv(axes))
-    trial = _TRIAL * limit.min() / max(1.0, np.abs(ways).max())
+    # A torque that alone turns the lightest axis by about the tolerance; larger ones may tumble it.
+    inertia = np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin)).min()
+    trial = end.attitude_tolerance * inertia / manoeuvre.duration**2
     for _ in range(_MOST):
         tried = np.concatenate([torque[None], torque + trial * ways])
         held = None if dipole is None else np.repeat(dipole[None], len(tried), axis=0)

@@ -40,3 +40,17 @@ def test_what_arrives_stays_as_it_is(found):
     np.testing.assert_array_equal(corrected(manoeuvre, torque), torque)
     open_ended = replace(manoeuvre, end=None)
     np.testing.assert_array_equal(corrected(open_ended, torque), torque)
+
+
+def test_a_long_hold_is_corrected_for_a_tiny_rate(found):
+    manoeuvre, _ = found
+    hold = replace(
+        manoeuvre,
+        end=replace(manoeuvre.end, q_ib=manoeuvre.start.q_ib),
+        duration=4000.0,
+        intervals=400,
+    )
+    start = replace(hold.start, omega_ib=np.array([2e-6, -3e-6, 1e-6]))
+    drifting, still = replace(hold, start=start), np.zeros((400, 3))
+    assert not judge_manoeuvre(drifting, still[None]).reached[0]
+    assert judge_manoeuvre(drifting, corrected(drifting, still)[None]).reached[0]
