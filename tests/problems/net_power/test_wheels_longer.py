@@ -1,4 +1,4 @@
-"""Search of long manoeuvres on longer intervals first, and starts from flights."""
+"""Search of long manoeuvres on longer intervals first, and starts from torques."""
 
 from dataclasses import replace
 
@@ -9,9 +9,10 @@ import pytest
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power.answers import flown_again, phase_manoeuvre
 from jaxatt.problems.net_power.flight import fly
-from jaxatt.problems.net_power.wheels.from_flight import starts_from_flight
+from jaxatt.problems.net_power.wheels.from_flight import states_of
 from jaxatt.problems.net_power.wheels.longer import at_nodes, averaged, longer_intervals
 from jaxatt.problems.net_power.wheels.programme import wheels_programme
+from jaxatt.problems.net_power.wheels.rolled_out import rolled_out
 from jaxatt.problems.net_power.wheels.search import search_wheels
 from jaxatt.problems.net_power.wheels.task import wheels_task
 from jaxatt.scenarios import load
@@ -49,13 +50,13 @@ def test_weights_and_means_on_longer_intervals_keep_what_is_linear():
     np.testing.assert_allclose(total, values.sum(axis=1), rtol=1e-12, atol=1e-12)
 
 
-def test_a_start_from_a_flight_obeys_the_dynamics_and_the_margins(manoeuvre):
+def test_a_start_from_torques_obeys_the_dynamics_and_the_margins(manoeuvre):
     manoeuvre = replace(manoeuvre, satellite=replace(manoeuvre.satellite, wheel_power="wheels"))
     task = wheels_task(manoeuvre)
     program, p = wheels_programme(task.form), task.parameters
     limit = np.asarray(manoeuvre.satellite.craft.wheels.torque_limit)
     torque = 0.9 * limit * RANDOM.uniform(-1.0, 1.0, (2, manoeuvre.intervals, len(limit)))
-    starts = starts_from_flight(task, fly(manoeuvre, torque), None)
+    starts = rolled_out(task, torque)
 
     @jax.jit
     def missed(u, x):
@@ -67,9 +68,13 @@ def test_a_start_from_a_flight_obeys_the_dynamics_and_the_margins(manoeuvre):
 
     for u, x in zip(starts.u, starts.x, strict=True):
         gap, margin = missed(u, x)
-        assert np.abs(gap).max() < 1e-6
+        assert np.abs(gap).max() < 1e-12
         assert margin.min() > 0.0
     np.testing.assert_allclose(starts.u[..., :3] * limit, torque, rtol=1e-12)
+    # The states are those of a fine flight, but for the steps of the programme.
+    flown = fly(manoeuvre, torque)
+    states = states_of(p, task.form, flown.q_ib, flown.omega_ib, flown.omega_bw)
+    np.testing.assert_allclose(starts.x, states, atol=1e-6)
 
 
 def test_a_long_manoeuvre_earns_as_much_as_its_shorter_one(manoeuvre):

@@ -1,15 +1,12 @@
-"""States and starts of the programme from a flight, in NumPy."""
+"""States of the programme from a flight, and its controls from torques, in NumPy."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from jaxatt.problems.net_power.flight import PoweredFlight
 from jaxatt.problems.net_power.wheels.form import WheelsForm
-from jaxatt.problems.net_power.wheels.host import continuous, rotated
+from jaxatt.problems.net_power.wheels.host import rotated
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
-from jaxatt.problems.net_power.wheels.starts import Starts, filled, towards, with_powers
-from jaxatt.problems.net_power.wheels.task import WheelsTask
 from jaxatt.runtime.arrays import Floats
 
 INSIDE = 0.999
@@ -43,26 +40,3 @@ def dipoles_of(p: WheelsParameters, dipole: Floats) -> Floats:
     """Positive and negative parts (..., 6) of dipoles (..., 3) [A m^2], over their limits."""
     shares = np.clip(dipole / np.asarray(p.dipole_limit), -INSIDE, INSIDE)
     return np.concatenate([np.maximum(shares, 0.0), np.maximum(-shares, 0.0)], axis=-1)
-
-
-def starts_from_flight(task: WheelsTask, flight: PoweredFlight, dipole: Floats | None) -> Starts:
-    """Starts along flights of answers to a manoeuvre, on its own intervals.
-
-    dipole : (S, N, 3) [A m^2], where it was decided.
-    """
-    p, form = task.parameters, task.form
-    q = continuous(flight.q_ib)
-    x = states_of(p, form, q, flight.omega_ib, flight.omega_bw)
-    if form.charge:
-        charge = flight.energy.charge / float(p.energy_scale)
-        x = np.concatenate([x, charge[..., None]], axis=-1)
-    x[:, 0] = np.asarray(p.start)
-    scaled = np.clip(flight.wheel_torque / np.asarray(p.torque_limit), -INSIDE, INSIDE)
-    both = None if dipole is None else dipoles_of(p, dipole)
-    count = len(x)
-    total = np.broadcast_to(np.asarray(p.total), (count, 3))
-    u = with_powers(task, total, np.full(count, float(p.power_scale)), x, scaled, both)
-    u = filled(u, len(np.asarray(p.stages.step)) - u.shape[1])
-    x = filled(x, u.shape[1] + 1 - x.shape[1], still=True)
-    reference = np.broadcast_to(np.asarray(p.reference), (count, 4))
-    return Starts(u, x, towards(reference, q[:, -1]), np.zeros(count, int))

@@ -8,13 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from jaxatt.optimize.status import Status
-from jaxatt.problems.net_power.flight import fly
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.batch import settings_for
-from jaxatt.problems.net_power.wheels.from_flight import starts_from_flight
 from jaxatt.problems.net_power.wheels.lengths import shared_length
 from jaxatt.problems.net_power.wheels.longer import averaged, longer_intervals
+from jaxatt.problems.net_power.wheels.rolled_out import rolled_out
 from jaxatt.problems.net_power.wheels.solve import in_steps, solve_in_fine_steps, solve_wheels
 from jaxatt.problems.net_power.wheels.starts import Starts, draw_all, filled
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
@@ -55,12 +54,13 @@ def search_wheels(
     intervals = manoeuvres[0].intervals
     size = shared_length(intervals) if shared else None
     least = _SHARED_STEPS if shared else 1
-    tasks = [wheels_task(manoeuvre, None, size) for manoeuvre in manoeuvres]
+    steps = manoeuvres[0].substeps or least
+    tasks = [wheels_task(manoeuvre, steps, size) for manoeuvre in manoeuvres]
     drawn = draw_all(tasks, count, seed)
     if intervals < _LONG:
         return solve_in_fine_steps(tasks, drawn, report, room=room, least=least)[1]
     held = longer_intervals(intervals, _FIRST)
-    first = [wheels_task(manoeuvre, None, _FIRST, held) for manoeuvre in manoeuvres]
+    first = [wheels_task(manoeuvre, steps, _FIRST, held) for manoeuvre in manoeuvres]
     parts = [_on_longer(part, held) for part in drawn]
     # What they are off by is mended where they are refined.
     found = solve_wheels(in_steps(first, parts, least), parts, report, room=room)
@@ -87,8 +87,7 @@ def _refined(
     parts = []
     for task, solved, rows in zip(tasks, found, best, strict=True):
         chosen = solved.pick(rows)
-        flight = fly(task.manoeuvre, chosen.torque, chosen.dipole)
-        parts.append(starts_from_flight(task, flight, chosen.dipole))
+        parts.append(rolled_out(task, chosen.torque, chosen.dipole))
     settings = replace(settings_for(tasks[0].form), barrier=_BARRIER, max_iterations=_PASSES)
     told = None if report is None else _refining(report)
     refined = solve_in_fine_steps(tasks, parts, told, None, room, settings, least)[1]
