@@ -17,7 +17,7 @@ from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.optimize.interior_point.state import SMALL_SHIFTS, Shifts
 from jaxatt.problems.net_power.wheels.form import WheelsForm
-from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
+from jaxatt.problems.net_power.wheels.parameters import OF_MANOEUVRE, WheelsParameters
 from jaxatt.problems.net_power.wheels.programme import wheels_programme
 from jaxatt.problems.net_power.wheels.starts import Starts
 from jaxatt.problems.net_power.wheels.task import WheelsTask
@@ -48,16 +48,17 @@ def settings_for(form: WheelsForm) -> InteriorSettings:
 class WheelsJob:
     """Static part of a search, as `run_starts` needs it.
 
-    several : whether the parameters of every manoeuvre stand along a leading axis.
+    own : whether each leaf of the parameters is there for every manoeuvre, along a leading axis,
+        or once for all of them; empty for a single manoeuvre.
     """
 
     form: WheelsForm
-    several: bool
+    own: tuple[bool, ...]
 
     @property
     def label(self) -> str:
         """Label for `jaxatt.runtime.compilation`."""
-        return f"net power, {'several' if self.several else 'one'}, {self.form}"
+        return f"net power, {self.own}, {self.form}"
 
     @property
     def program(self) -> Any:
@@ -68,10 +69,13 @@ class WheelsJob:
         self, start: Starts, parameters: WheelsParameters
     ) -> tuple[tuple[Array, Array], WheelsParameters]:
         """Initial controls and states for the solver, and the parameters of one start."""
-        own = parameters
-        if self.several:
-            own = jax.tree.map(lambda leaf: jnp.asarray(leaf)[start.task], parameters)
-        own = replace(own, reference=jnp.asarray(start.reference))
+        leaves, tree = jax.tree.flatten(parameters)
+        if self.own:
+            leaves = [
+                jnp.asarray(leaf)[start.task] if own else leaf
+                for leaf, own in zip(leaves, self.own, strict=True)
+            ]
+        own = replace(jax.tree.unflatten(tree, leaves), reference=jnp.asarray(start.reference))
         return (jnp.asarray(start.u), jnp.asarray(start.x)), own
 
 
@@ -88,19 +92,35 @@ def solve_starts(
     rows : starts in one compiled call.  room : tasks that the call has room for, at least.
     """
     count, intervals = starts.u.shape[:2]
-    several = max(len(tasks), room) > 1
-    parameters: Any = tasks[0].parameters
-    if several:
-        # As many rows as all of them would have.
-        count = count * max(len(tasks), room) // len(tasks)
-        filled = [*tasks, *[tasks[0]] * (room - len(tasks))]
-        parameters = jax.tree.map(lambda *leaves: np.stack(leaves), *(t.parameters for t in filled))
+    parameters, own = _gathered([*tasks, *[tasks[0]] * (room - len(tasks))])
+    # As many rows as all of them would have.
+    count = count * max(len(tasks), room) // len(tasks)
     found: InteriorSolution = run_starts(
         InteriorPoint(settings or settings_for(tasks[0].form)),
-        WheelsJob(tasks[0].form, several),
+        WheelsJob(tasks[0].form, own),
         starts,
         parameters,
         rows=rows or rows_of_stages(count, intervals),
         progress=None if report is None else lambda done: report("solving from all starts", done),
     )
     return found
+
+
+def _gathered(tasks: Sequence[WheelsTask]) -> tuple[Any, tuple[bool, ...]]:
+    """Parameters of all tasks, and which leaves of them each task has of its own.
+
+    What all of them share is there once: a product with it costs a fraction of one with a matrix
+    for every start.  What belongs to a manoeuvre is never shared, even where it happens to be the
+    same, or the next manoeuvres would need another program.
+    """
+    if len(tasks) == 1:
+        return tasks[0].parameters, ()
+    every = [jax.tree.leaves_with_path(task.parameters) for task in tasks]
+    leaves, own = [], []
+    for (path, first), *others in zip(*every, strict=True):
+        differs = path[0].name in OF_MANOEUVRE or any(
+            not np.array_equal(first, other) for _, other in others
+        )
+        leaves.append(np.stack([first, *(leaf for _, leaf in others)]) if differs else first)
+        own.append(differs)
+    return jax.tree.unflatten(jax.tree.structure(tasks[0].parameters), leaves), tuple(own)

@@ -46,6 +46,23 @@ class Management:
     dipole_limit: Array
 
 
+OF_MANOEUVRE = frozenset(
+    {
+        "start",
+        "total",
+        "power_scale",
+        "stages",
+        "reference",
+        "reference_rate",
+        "reference_stored",
+        "load",
+        "last_shone",
+        "last_sun",
+    }
+)
+"""Parameters that belong to a manoeuvre; the others belong to the satellite or to what is asked."""
+
+
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True, eq=False)
 class WheelsParameters:
