@@ -53,6 +53,22 @@ def try_bang_off_bang(task: SparseTask, size: int, method: Method) -> Candidates
     return screen(task, *_both_ways(task, bang_off_bang_supports(task, _shapes(size))), method)
 
 
+def fewest_bang_off_bang(task: SparseTask, most: int, method: Method) -> Candidates | None:
+    """Bang-off-bang answers of the least size below `most` that reaches; None where none does.
+
+    By bisection: an interval more never takes a way from a support.
+    """
+    found, least = None, 0
+    while most - least > 1:
+        size = (least + most) // 2
+        tried = try_bang_off_bang(task, size, method)
+        if tried.verdict.reached.any():
+            found, most = tried, size
+        else:
+            least = size
+    return found
+
+
 def nearest_bang_off_bang(
     task: SparseTask, size: int, method: Method, attempts: int = 4
 ) -> Candidates:

@@ -15,6 +15,7 @@ import numpy as np
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.ahead import compiled_ahead
+from jaxatt.problems.hands_off.search.bang_off_bang import fewest_bang_off_bang
 from jaxatt.problems.hands_off.search.bounded_search import from_bounded_starts, search_bounded
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
 from jaxatt.problems.hands_off.search.enumeration import from_pairs
@@ -27,6 +28,8 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
 _IMPROVED = 2
+_FEW = 4
+"""Active intervals up to which an answer is not compared with bursts at both ends."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,12 @@ def search(
     reached_first = task.goal.terminal == "reach"
     if not reached_first:
         pool = join(pool, _resting(task))
+    if task.goal.kind != "l1" and reached_first:
+        # Random starts end up far apart, where a torque limit that binds leaves no room for that.
+        most = _most(task, pool)
+        bursts = method("l0", "trying bursts at both ends")
+        if most > _FEW and (found := fewest_bang_off_bang(task, most, bursts)) is not None:
+            pool = join(pool, found)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
@@ -130,6 +139,14 @@ def look(task: SparseTask, count: int, seed: int) -> Candidates:
     starts = draw(seed, count, task.intervals, task.size, task.long_way_probability())
     u, supports = decide(task, starts, Method(decides, rows=rows))
     return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
+
+
+def _most(task: SparseTask, pool: Candidates) -> int:
+    """Active intervals of the best answer; half of all where none reaches."""
+    best = pool.order(True)[0]
+    if not pool.verdict.reached[best]:
+        return task.intervals // 2
+    return int(support_of(task, pool.controls[best]).any(axis=-1).sum())
 
 
 def _pairs(task: SparseTask, method: Method, count: int) -> tuple[Floats, Mask] | None:
