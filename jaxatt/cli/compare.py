@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import typer
@@ -64,7 +65,7 @@ def _kind(case: str) -> str:
     known = kind_of(case)
     if known is not None:
         return known
-    has_laws = Path(case).is_file() and "laws" in read_file(Path(case))
+    has_laws = os.path.isfile(case) and "laws" in read_file(Path(case))
     return "flight" if has_laws else "manoeuvre"
 
 

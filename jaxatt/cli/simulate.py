@@ -10,10 +10,12 @@ import typer
 from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
 from jaxatt.cli.options import Cache, Flight, Out, Quiet
 from jaxatt.pipeline.simulate import simulate as run
+from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.report.flight_table import flight_table
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import load_flight
+from jaxatt.scenarios.flight_tables import MOST_RUNS
 
 
 def simulate(
@@ -25,11 +27,15 @@ def simulate(
     runs: Annotated[
         int | None,
         typer.Option(
-            min=1, help="Runs, spread as the flight says.", show_default="the nominal one alone"
+            min=1,
+            max=MOST_RUNS,
+            help="Runs, spread as the flight says.",
+            show_default="the nominal one alone",
         ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="Seed of the runs.", show_default="the flight's")
+        int | None,
+        typer.Option(min=0, max=MOST_SEED, help="Seed of the runs.", show_default="the flight's"),
     ] = None,
     out: Out = None,
     compile_cache: Cache = None,

@@ -22,15 +22,16 @@ def prepare_folder(path: str | Path) -> Path:
         The folder can be neither made nor written into.
     """
     folder = Path(path)
-    missing = [part for part in (folder, *folder.parents) if not part.exists()]
+    missing = [part for part in (folder, *folder.parents) if not os.path.exists(part)]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a ValueError for what no path can hold
+        reason = getattr(error, "strerror", None) or error
         raise OutputError(
-            f"{folder}: nothing can be written there ({error.strerror or error}); name another "
-            "folder or change its permissions"
+            f"{folder}: nothing can be written there ({reason}); name another folder or change its "
+            "permissions"
         ) from error
     finally:
         for part in missing:

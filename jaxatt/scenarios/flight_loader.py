@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading import manoeuvre, settings
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.names import check_folder_name, read_name
+from jaxatt.problems.reading.printed import read_printed
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
 from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.scenarios.flight_schema import FLIGHT_TABLES
+from jaxatt.scenarios.flight_schema import FLIGHT_TABLES, PRINTED_FIGURES
 from jaxatt.scenarios.loader import assign, plain_values
 
 
@@ -58,13 +60,12 @@ def flight_from_mapping(
     tables = data["laws"]
     if not isinstance(tables, dict) or not tables:
         top.fail("laws", "holds no law", "write [laws.NAME] and its gains below")
+    for name in tables:
+        check_folder_name(top, "laws", name, "results/NAME/LAW")
     laws = {name: read_law(law, origin, name, vehicle) for name, law in tables.items()}
     spread, runs, seed = flight_tables.read_campaign(data.get("campaign", {}), origin)
-    printed = data.get("printed", {})
-    if not isinstance(printed, dict):
-        top.fail("printed", "is not a table", "write [printed.LAW] and its keys below")
     return FlightScenario(
-        name=top.text("name", Path(origin).stem),
+        name=read_name(top),
         title=top.text("title", Path(origin).stem),
         source=top.text("source", "not stated"),
         vehicle=vehicle,
@@ -82,12 +83,20 @@ def flight_from_mapping(
         spread=spread,
         runs=runs,
         seed=seed,
-        printed=printed,
+        printed=_read_printed(data.get("printed", {}), origin, laws),
         notes=tuple(notes),
         document=data,
         origin=origin,
         folder=folder,
     )
+
+
+def _read_printed(data: Any, origin: str, laws: Iterable[str]) -> Mapping[str, Any]:
+    """Read [printed]: figures by law, and the reasons known for a difference, for all or one."""
+    printed = read_printed(data, origin, {**dict.fromkeys(laws, PRINTED_FIGURES), "why": {}})
+    for law in laws:
+        read_printed(printed.get(law, {}), origin, {"why": {}}, label=f"[printed.{law}]")
+    return printed
 
 
 def replace_in_flight(flight: FlightScenario, changes: Mapping[str, Any]) -> FlightScenario:

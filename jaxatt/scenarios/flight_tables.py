@@ -27,6 +27,10 @@ from jaxatt.spacecraft import Spacecraft
 
 _WHOLE = 1e-6
 
+MOST_RUNS = 10_000_000
+MOST_STEPS = 10_000_000
+"""Runge-Kutta steps of a flight whose surroundings fit into memory."""
+
 
 def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surroundings:
     """Read which torques act; all but the sine need an orbit, the magnetic ones an epoch too."""
@@ -120,6 +124,12 @@ def read_timing(data: Any, origin: str) -> Timing:
     sampling = table.number("sampling_s", above=0.0, example="0.1")
     step = table.number("step_s", sampling, above=0.0)
     records = table.integer("records", 400)
+    if duration / step > MOST_STEPS:
+        table.fail(
+            "step_s" if "step_s" in table else "sampling_s",
+            f"the flight takes {duration / step:.3g} steps, more than {MOST_STEPS:g}",
+            "give a longer step, or a shorter duration_s",
+        )
     for key, whole, part, of in (
         ("sampling_s", sampling, step, "step_s"),
         ("duration_s", duration, sampling, "sampling_s"),
@@ -198,4 +208,8 @@ def read_campaign(data: Any, origin: str) -> tuple[Spread, int, int]:
         math.radians(table.number("misalignment_deg", 0.0, at_least=0.0, at_most=45.0)),
         table.number("gain_percent", 0.0, at_least=0.0, at_most=50.0) / 100.0,
     )
-    return spread, table.integer("runs", 1000), table.integer("seed", 0, at_least=0)
+    return (
+        spread,
+        table.integer("runs", 1000, at_most=MOST_RUNS),
+        table.integer("seed", 0, at_least=0),
+    )

@@ -11,7 +11,7 @@ import numpy as np
 
 from jaxatt.attitude.vectors import matvec
 from jaxatt.spacecraft.battery import Battery
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
+from jaxatt.spacecraft.checks import FieldError, Float64, brief, finite_array
 from jaxatt.spacecraft.magnetorquers import Magnetorquers
 from jaxatt.spacecraft.panels import SolarPanels
 from jaxatt.spacecraft.thrusters import Thrusters, missing_senses, no_thrusters
@@ -159,7 +159,7 @@ def _loads(loads: Mapping[str, Any]) -> dict[str, float]:
     for mode, power in loads.items():
         value = finite_array(mode, power)
         if value.ndim or not value >= 0.0:
-            raise FieldError(mode, f"is {power!r}; give one number of at least 0, in watts")
+            raise FieldError(mode, f"is {brief(power)}; give one number of at least 0, in watts")
         checked[mode] = float(value)
     return checked
 

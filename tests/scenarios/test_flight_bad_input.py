@@ -62,6 +62,14 @@ BAD = {
     ),
     "a torque without an orbit": ({"orbit": None}, "gravity_gradient = true: needs an orbit"),
     "dipole limit": ({"vehicle": {"magnetorquers": {"dipole_limit_Am2": 0.0}}}, "greater than 0"),
+    "a law that names no folder": ({"laws": {"a/b": PD}}, "results/NAME/LAW; use at most 100"),
+    "printed that is no table": ({"printed": {"pd": 3}}, r"\[printed.pd\]: 3 is not a table"),
+    "printed for two axes": (
+        {"printed": {"pd": {"settling_s": [1.0, 2.0]}}},
+        r"\[printed.pd\] settling_s .* has 2 entries; give 3",
+    ),
+    "printed reason": ({"printed": {"pd": {"why": "?"}}}, r"\[printed.pd.why\]: .* not a table"),
+    "more steps than memory": ({"simulation": {"duration_s": 1e8}}, "steps, more than 1e[+]07"),
     "misspelt table": ({"simulatoin": {"duration_s": 1.0}}, "did you mean 'simulation'"),
 }
 
@@ -124,8 +132,9 @@ def test_a_law_that_is_not_there_and_no_runs():
     flight = short_flights.flight()
     with pytest.raises(ScenarioError, match="there are: pd"):
         simulate(flight, "lqr")
-    with pytest.raises(ValueError, match="at least 1"):
-        simulate(flight, runs=0)
+    for asked in ({"runs": 0}, {"runs": 10**30}, {"seed": -1}, {"seed": 2**31}):
+        with pytest.raises(ValueError, match=r"must be at least \d and at most"):
+            simulate(flight, **asked)
 
 
 def test_magnetorquers_are_checked():

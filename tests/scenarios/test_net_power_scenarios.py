@@ -169,6 +169,11 @@ def test_the_printed_cost_has_weights_and_the_floor_a_charge():
         ({"windows": []}, ["windows"]),
         # the horizon
         ({"horizon.coast_intervals": 3}, ["coast_intervals = 3: nothing follows", "drop it"]),
+        ({"horizon.horizon_s": 1e7}, ["at most 1e+06"]),
+        ({"printed.rows": 3}, ["[printed] rows: must be a list of tables"]),
+        ({"printed.rows": [{"net_J": 1.0}]}, ["[[printed.rows]] no. 1 label: missing"]),
+        ({"printed.rows": [{"label": "x", "net_J": "1"}]}, ["net_J", '"1" is not a number']),
+        ({"printed.totals_J": [1.0]}, ["[printed] baseline_totals_J: missing"]),
         ({"horizon.horizon_s": -1.0}, ["[horizon] horizon_s = -1.0: must be greater than 0"]),
         ({"horizon.shortest_s": 10.0}, ["the final time is fixed", 'final_time = "free"']),
         (
