@@ -10,11 +10,11 @@ import typer
 from jaxatt.cli.common import (
     NOT_REACHED,
     clean_exit,
+    complain,
     finish,
     prepare_jax,
     prepared,
     shortfall,
-    show,
 )
 from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
 from jaxatt.problems.reading.documents import read_file
@@ -48,14 +48,11 @@ def compare(
 
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, starts, seed, report)
-        if not quiet:
-            show(comparison.table())
-        files = comparison.save(folder)
-        finish(repr(comparison), files, folder, quiet)
+        finish(repr(comparison), comparison.save(folder), folder, quiet, comparison.table())
         if not comparison.reached:
             for kind, result in comparison.results.items():
                 if not result.reached:
-                    typer.echo(f"{kind}: {shortfall(result)}", err=True)
+                    complain(f"{kind}: {shortfall(result)}")
             raise typer.Exit(NOT_REACHED)
 
 
@@ -79,9 +76,7 @@ def _compare_flight(
     folder = prepare_folder(out or Path("results") / flight.name)
     with Reporter(len(flight.laws), quiet) as report:
         comparison = compare_flight(flight, seed, report)
-    if not quiet:
-        show(comparison.table())
-    finish(repr(comparison), comparison.save(folder), folder, quiet)
+    finish(repr(comparison), comparison.save(folder), folder, quiet, comparison.table())
 
 
 def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
@@ -90,6 +85,4 @@ def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
     prepare_jax()
 
     found = compare_imaging()
-    if not quiet:
-        show(found.table())
-    finish(repr(found), found.save(folder), folder, quiet)
+    finish(repr(found), found.save(folder), folder, quiet, found.table())

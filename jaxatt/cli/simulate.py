@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
+from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax
 from jaxatt.cli.options import Cache, Flight, Out, Quiet
 from jaxatt.pipeline.simulate import simulate as run
 from jaxatt.problems.reading.heading import MOST_SEED
@@ -49,15 +49,10 @@ def simulate(
 
         with Reporter(runs or 1, quiet) as report:
             result = run(flight, law, runs=runs, seed=seed, report=report)
-        if not quiet:
-            show(flight_table(result))
-        finish(repr(result), result.save(folder), folder, quiet)
+        finish(repr(result), result.save(folder), folder, quiet, flight_table(result))
         if not result.sound.all():
             failed = {words: len(rows) for words, rows in result.failures.items()}
-            typer.echo(
-                "; ".join(
-                    f"{number} of {result.runs}: {words}" for words, number in failed.items()
-                ),
-                err=True,
+            complain(
+                "; ".join(f"{number} of {result.runs}: {words}" for words, number in failed.items())
             )
             raise typer.Exit(NOT_REACHED)

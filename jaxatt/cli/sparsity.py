@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared
 from jaxatt.cli.options import Cache, Case, Out, Quiet
 from jaxatt.problems.reading.heading import MOST_STARTS
 from jaxatt.runtime.progress import Reporter
@@ -39,10 +39,8 @@ def sparsity(
             study = relative_sparsity(
                 scenario, [int(count) for count in counts], factors, starts, report
             )
-        if not quiet:
-            show(sparsity_table(study.to_dict()))
-        files = study.save(folder)
-        finish(repr(study), files, folder, quiet)
+        table = sparsity_table(study.to_dict())
+        finish(repr(study), study.save(folder), folder, quiet, table)
 
 
 def _numbers(option: str, text: str) -> list[float]:

@@ -21,6 +21,12 @@ INLINE = {
         "torque_limit_Nm": [1e-3, 1e-3, 2e-3],
     },
 }
+INLINE_TEXT = """inertia_kgm2 = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+[wheels]
+axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+inertia_kgm2 = 1e-4
+torque_limit_Nm = 1e-3
+"""
 GONE = object()
 
 
@@ -267,6 +273,39 @@ def test_files_that_are_no_toml(tmp_path, content, part):
     with pytest.raises(ScenarioError, match=part) as caught:
         scenarios.load(path)
     assert str(caught.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    ("encoding", "mark"),
+    [
+        ("utf-8", b""),
+        ("utf-8", b"\xef\xbb\xbf"),
+        ("utf-16-le", b"\xff\xfe"),
+        ("utf-16-be", b"\xfe\xff"),
+    ],
+)
+def test_files_as_windows_writes_them(tmp_path, encoding, mark, newline):
+    vehicle = f'name = "höhe"\n{INLINE_TEXT}'
+    for name, text, load in (
+        ("scenario", scenarios.text("hypso1-90-45-15"), scenarios.load),
+        ("flight", scenarios.text("hypso1-pointing"), scenarios.load_flight),
+        ("vehicle", vehicle, None),
+    ):
+        path = tmp_path / f"{name}.toml"
+        path.write_bytes(mark + text.replace("\n", newline).encode(encoding))
+        if load is not None:
+            assert load(path).document == tomllib.loads(text)
+    document = edit(SPACECRAFT, "vehicle", {"file": str(tmp_path / "vehicle.toml")})
+    document["initial"].pop("wheel_speed_rad_s")
+    assert scenarios.from_mapping(document).vehicle.name == "höhe"
+
+
+def test_utf_16_without_a_mark_is_named(tmp_path):
+    path = tmp_path / "bare.toml"
+    path.write_bytes(scenarios.text("hypso1-90-45-15").encode("utf-16-le"))
+    with pytest.raises(ScenarioError, match=r"UTF-16 without a byte order mark .* as UTF-8"):
+        scenarios.load(path)
 
 
 @pytest.mark.parametrize("name", ["missing.toml", "."])
