@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.names import check_folder_name, read_name
@@ -48,11 +49,6 @@ def flight_from_mapping(
     around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
     initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes)
     asked = flight_tables.read_reference(data.get("reference", {}), origin, initial, notes)
-    if around.torques.magnetic and around.epoch is None:
-        raise ScenarioError(
-            f"{origin}: [environment] epoch: missing; magnetic torques need the date, add a line "
-            'such as epoch = "2020-03-20T12:00:00Z"'
-        )
     signal, band, since = flight_tables.read_settling(data.get("settling", {}), origin, asked.since)
     dumping = None
     if "dumping" in data:
@@ -64,6 +60,19 @@ def flight_from_mapping(
         check_folder_name(top, "laws", name, "results/NAME/LAW")
     laws = {name: read_law(law, origin, name, vehicle) for name, law in tables.items()}
     spread, runs, seed = flight_tables.read_campaign(data.get("campaign", {}), origin)
+    timing = flight_tables.read_timing(data["simulation"], origin)
+    needs = {}
+    if dumping is not None:
+        needs[MAGNETIC_FIELD] = "[dumping]"
+    if around.torques.magnetic:
+        eddy = around.torques.residual_dipole is None
+        needs[MAGNETIC_FIELD] = "eddy_coefficient" if eddy else "residual_dipole_Am2"
+    if around.torques.solar_pressure is not None and around.sun is None:
+        needs[SUNLIGHT] = "solar_pressure without sun_direction"
+    surroundings = Table(
+        data.get("environment", {}), origin, "[environment]", FLIGHT_TABLES["environment"]
+    )
+    check_epoch(surroundings, around.days, timing.duration, needs)
     return FlightScenario(
         name=read_name(top),
         title=top.text("title", Path(origin).stem),
@@ -72,7 +81,7 @@ def flight_from_mapping(
         surroundings=around,
         initial=initial,
         asked=asked,
-        timing=flight_tables.read_timing(data["simulation"], origin),
+        timing=timing,
         signal=signal,
         band=band,
         since=since,

@@ -13,11 +13,11 @@ from jaxatt.environment import epoch
 from jaxatt.environment.aerodynamic_drag import Drag
 from jaxatt.environment.eddy_currents import EddyCurrents
 from jaxatt.environment.external import ExternalTorques
-from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
@@ -73,31 +73,13 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
         sun = sun / np.linalg.norm(sun)
     return Surroundings(
         orbit,
-        _epoch(table),
+        read_epoch(table),
         table.flag("gravity_gradient"),
         table.number("sinusoidal_torque_Nm", 0.0),
         table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
         sun,
         ExternalTorques(drag, solar, dipole, eddy),
     )
-
-
-def _epoch(table: Table) -> Any:
-    if "epoch" not in table:
-        return None
-    text = table.text("epoch")
-    try:
-        moment = epoch.parse(text)
-    except ValueError:
-        table.fail("epoch", "is no moment", 'write it as "2020-03-20T12:00:00Z"')
-    year = epoch.decimal_year(moment)
-    if not FIRST_YEAR <= year <= LAST_YEAR:
-        table.fail(
-            "epoch",
-            f"is outside the years of the field model IGRF-14, {FIRST_YEAR:.0f} to {LAST_YEAR:.0f}",
-            "give a date within",
-        )
-    return moment
 
 
 def read_reference(data: Any, origin: str, initial: InitialState, notes: list[str]) -> Asked:
@@ -184,7 +166,7 @@ def read_dumping(
             f"momentum dumping needs magnetorquers, which the vehicle {vehicle.name} lacks",
             "add [vehicle.magnetorquers] with dipole_limit_Am2, or drop [dumping]",
         )
-    if around.orbit is None or around.epoch is None:
+    if around.orbit is None or around.days is None:
         table.fail(
             "gain_1_s",
             "momentum dumping needs the Earth's magnetic field",

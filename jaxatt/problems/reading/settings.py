@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from jaxatt.environment import epoch
-from jaxatt.environment.sun import FIRST_YEAR, LAST_YEAR
+from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
@@ -60,26 +59,9 @@ def read_orbit(data: Any, origin: str) -> Orbit:
         eccentricity=eccentricity,
         inclination=math.radians(inclination),
         gravitational_parameter=parameter,
-        days=_days(table),
+        days=read_epoch(table),
         **angle,
     )
-
-
-def _days(table: Table) -> float | None:
-    if "epoch" not in table:
-        return None
-    try:
-        moment = epoch.parse(table.text("epoch"))
-    except ValueError:
-        table.fail("epoch", "is no moment", 'write it as "2026-06-21T12:00:00Z"')
-    if not FIRST_YEAR <= moment.year < LAST_YEAR:
-        table.fail(
-            "epoch",
-            f"is outside the years that the formulas of the sun hold for, {FIRST_YEAR} to "
-            f"{LAST_YEAR}",
-            "give a date within",
-        )
-    return epoch.days_since_j2000(moment)
 
 
 _LARGEST_PHASE = 1000.0

@@ -10,6 +10,7 @@ from jaxatt.problems.hands_off.reading.objective import PRINTED, check_free_time
 from jaxatt.problems.hands_off.reading.valves import check_thrusters
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading.dates import SUNLIGHT, check_epoch
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.moments import moments_of
@@ -81,6 +82,10 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
         folder=folder,
         pointing=read_pointing(document, origin, orbit is not None, days),
     )
+    if any(cone.frame == "sun" for cone in scenario.pointing.cones):
+        longest = horizon.longest if horizon.free else horizon.duration
+        dated = Table(document["orbit"], origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
+        check_epoch(dated, days, longest * len(targets), {SUNLIGHT: "a cone toward the sun"})
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario
