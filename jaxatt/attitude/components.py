@@ -15,6 +15,8 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.attitude.vectors import quaternion_of, sized, vector_of
+
 Scalar = Array | float
 
 
@@ -30,7 +32,7 @@ class Vector:
     @classmethod
     def of(cls, array: Any) -> Vector:
         """Make a vector from an array (..., 3)."""
-        rows = jnp.asarray(array)
+        rows = vector_of(array)
         return cls(rows[..., 0], rows[..., 1], rows[..., 2])
 
     @property
@@ -107,7 +109,7 @@ class Matrix:
     @classmethod
     def of(cls, array: Any) -> Matrix:
         """Make a matrix from an array (..., 3, 3)."""
-        matrix = jnp.asarray(array)
+        matrix = sized(array, 3, 3, name="matrix")
         return cls(
             (
                 Vector.of(matrix[..., 0, :]),
@@ -136,7 +138,7 @@ class Quaternion:
     @classmethod
     def of(cls, array: Any) -> Quaternion:
         """Make a quaternion from an array (..., 4), scalar first."""
-        q = jnp.asarray(array)
+        q = quaternion_of(array)
         return cls(q[..., 0], Vector.of(q[..., 1:]))
 
     @property

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
-from jaxatt.attitude.vectors import dot, floating, norm
+from jaxatt.attitude.vectors import dot, floating, norm, quaternion_of
 
 SMOOTHING = 1e-8
 """Default alpha of the smooth maximum; the source leaves it open."""
@@ -80,7 +80,7 @@ def pseudo_metric(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     -------
     (...)
     """
-    return 1 - jnp.abs(dot(q_ref, q))
+    return 1 - jnp.abs(dot(quaternion_of(q_ref), quaternion_of(q)))
 
 
 def smooth_pseudo_metric(q_ref: ArrayLike, q: ArrayLike, alpha: ArrayLike = SMOOTHING) -> jax.Array:
@@ -99,7 +99,7 @@ def smooth_pseudo_metric(q_ref: ArrayLike, q: ArrayLike, alpha: ArrayLike = SMOO
         Below `pseudo_metric` by sqrt(alpha) / 2 at 180 degrees and alpha / 8 when aligned, where
         it is therefore slightly negative.
     """
-    return 1 - smooth_abs(dot(q_ref, q), alpha)
+    return 1 - smooth_abs(dot(quaternion_of(q_ref), quaternion_of(q)), alpha)
 
 
 def smooth_maximum(x1: ArrayLike, x2: ArrayLike, alpha: ArrayLike = SMOOTHING) -> jax.Array:

@@ -9,7 +9,8 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
-from jaxatt.attitude.vectors import floating, resolution, stack_matrix
+from jaxatt.attitude.rotation_matrix import rotation_of
+from jaxatt.attitude.vectors import resolution, stack_matrix, vector_of
 
 
 def to_matrix(angles: ArrayLike) -> jax.Array:
@@ -25,7 +26,7 @@ def to_matrix(angles: ArrayLike) -> jax.Array:
     (..., 3, 3)
         R(q_ob), body to orbit.
     """
-    angles = floating(angles)
+    angles = vector_of(angles, "angles")
     sin, cos = jnp.sin(angles), jnp.cos(angles)
     s1, s2, s3 = sin[..., 0], sin[..., 1], sin[..., 2]
     c1, c2, c3 = cos[..., 0], cos[..., 1], cos[..., 2]
@@ -51,7 +52,7 @@ def to_quaternion(angles: ArrayLike) -> jax.Array:
     (..., 4)
         `q_ob`.
     """
-    half = 0.5 * floating(angles)
+    half = 0.5 * vector_of(angles, "angles")
     sin, cos = jnp.sin(half), jnp.cos(half)
     s1, s2, s3 = sin[..., 0], sin[..., 1], sin[..., 2]
     c1, c2, c3 = cos[..., 0], cos[..., 1], cos[..., 2]
@@ -82,8 +83,13 @@ def from_matrix(matrix: ArrayLike) -> jax.Array:
     -------
     (..., 3) [rad]
         phi and psi in [-pi, pi], theta in [-pi/2, pi/2].
+
+    Raises
+    ------
+    ValueError
+        The matrix is a reflection or no rotation at all, see `rotation_of`.
     """
-    m = floating(matrix)
+    m = rotation_of(matrix)
     y, x = m[..., 2, 1], m[..., 2, 2]
     locked = y * y + x * x < (10 * resolution(m)) ** 2
     phi = jnp.arctan2(jnp.where(locked, 0.0, y), jnp.where(locked, 1.0, x))

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
-from jaxatt.attitude.vectors import broadcast_batch, cross, dot, floating, tiny
+from jaxatt.attitude.vectors import broadcast_batch, cross, dot, quaternion_of, tiny, vector_of
 
 
 def from_quaternion(q: ArrayLike, *, short: bool = True) -> jax.Array:
@@ -30,7 +30,7 @@ def from_quaternion(q: ArrayLike, *, short: bool = True) -> jax.Array:
     -------
     (..., 3)
     """
-    q = quaternion.canonical(q) if short else floating(q)
+    q = quaternion.canonical(q) if short else quaternion_of(q)
     eta, eps = q[..., :1], q[..., 1:]
     forward = eps / (1 + jnp.where(eta < 0.0, 0.0, eta))
     if short:
@@ -53,7 +53,7 @@ def to_quaternion(sigma: ArrayLike) -> jax.Array:
     -------
     (..., 4)
     """
-    sigma = floating(sigma)
+    sigma = vector_of(sigma, "MRP")
     squared = dot(sigma, sigma)[..., None]
     return jnp.concatenate([1 - squared, 2 * sigma], axis=-1) / (1 + squared)
 
@@ -63,7 +63,7 @@ def shadow(sigma: ArrayLike) -> jax.Array:
 
     The shadow of zero lies at infinity; zero is returned there.
     """
-    sigma = floating(sigma)
+    sigma = vector_of(sigma, "MRP")
     squared = dot(sigma, sigma)[..., None]
     vanishes = squared < tiny(sigma)
     return -sigma / jnp.where(vanishes, 1.0, squared)
@@ -71,7 +71,7 @@ def shadow(sigma: ArrayLike) -> jax.Array:
 
 def switch(sigma: ArrayLike) -> jax.Array:
     """The set inside the unit sphere: the shadow where |sigma| > 1, else sigma itself."""
-    sigma = floating(sigma)
+    sigma = vector_of(sigma, "MRP")
     outside = dot(sigma, sigma)[..., None] > 1.0
     # The unused branch is fed ones: the shadow of a small sigma has gradients that overflow.
     return jnp.where(outside, shadow(jnp.where(outside, sigma, 1.0)), sigma)
@@ -110,7 +110,7 @@ def derivative(sigma: ArrayLike, omega: ArrayLike) -> jax.Array:
     -------
     (..., 3) [1/s]
     """
-    sigma, omega = broadcast_batch(sigma, omega)
+    sigma, omega = broadcast_batch(vector_of(sigma, "MRP"), vector_of(omega, "omega"))
     straight = (1 - dot(sigma, sigma))[..., None] * omega
     along = dot(sigma, omega)[..., None] * sigma
     return 0.25 * (straight + 2 * cross(sigma, omega) + 2 * along)

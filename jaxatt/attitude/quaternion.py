@@ -8,12 +8,22 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
+from jaxatt.attitude.rotation_matrix import rotation_of
 from jaxatt.attitude.rotation_vector import (
     from_axis_angle,
     from_rotation_vector,
     to_rotation_vector,
 )
-from jaxatt.attitude.vectors import broadcast_batch, cross, dot, floating, stack_matrix, tiny
+from jaxatt.attitude.vectors import (
+    broadcast_batch,
+    cross,
+    dot,
+    floating,
+    quaternion_of,
+    stack_matrix,
+    tiny,
+    vector_of,
+)
 
 __all__ = [
     "canonical",
@@ -70,7 +80,7 @@ def multiply(q1: ArrayLike, q2: ArrayLike) -> jax.Array:
     -------
     (..., 4)
     """
-    q1, q2 = broadcast_batch(q1, q2)
+    q1, q2 = broadcast_batch(quaternion_of(q1), quaternion_of(q2))
     eta1, eps1 = q1[..., :1], q1[..., 1:]
     eta2, eps2 = q2[..., :1], q2[..., 1:]
     eta = eta1 * eta2 - dot(eps1, eps2)[..., None]
@@ -79,13 +89,13 @@ def multiply(q1: ArrayLike, q2: ArrayLike) -> jax.Array:
 
 def conjugate(q: ArrayLike) -> jax.Array:
     """Conjugate [eta, -eps], the inverse of a unit quaternion; Schaanning (2021), eq. (2.37)."""
-    q = floating(q)
+    q = quaternion_of(q)
     return jnp.concatenate([q[..., :1], -q[..., 1:]], axis=-1)
 
 
 def normalize(q: ArrayLike) -> jax.Array:
     """Scale (..., 4) to unit norm; the zero quaternion becomes the identity, with zero gradient."""
-    q = floating(q)
+    q = quaternion_of(q)
     squared = dot(q, q)[..., None]
     vanishes = squared < tiny(q)
     unit = q / jnp.sqrt(jnp.where(vanishes, 1.0, squared))
@@ -94,7 +104,7 @@ def normalize(q: ArrayLike) -> jax.Array:
 
 def canonical(q: ArrayLike) -> jax.Array:
     """Choose of q and -q, which are one attitude, the one with eta >= 0 (the short way)."""
-    q = floating(q)
+    q = quaternion_of(q)
     return jnp.where(q[..., :1] < 0.0, -q, q)
 
 
@@ -113,7 +123,7 @@ def to_matrix(q: ArrayLike) -> jax.Array:
     -------
     (..., 3, 3)
     """
-    q = floating(q)
+    q = quaternion_of(q)
     w, x, y, z = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     return stack_matrix(
         [
@@ -138,8 +148,13 @@ def from_matrix(matrix: ArrayLike) -> jax.Array:
     Returns
     -------
     (..., 4)
+
+    Raises
+    ------
+    ValueError
+        The matrix is a reflection or no rotation at all, see `rotation_of`.
     """
-    m = floating(matrix)
+    m = rotation_of(matrix)
     xx, yy, zz = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
     wx, wy, wz = (m[..., j, k] - m[..., k, j] for j, k in ((2, 1), (0, 2), (1, 0)))
     xy, xz, yz = (m[..., j, k] + m[..., k, j] for j, k in ((0, 1), (0, 2), (1, 2)))
@@ -169,7 +184,7 @@ def rotate(q: ArrayLike, v: ArrayLike) -> jax.Array:
     -------
     (..., 3)
     """
-    q, v = broadcast_batch(q, v)
+    q, v = broadcast_batch(quaternion_of(q), vector_of(v))
     twice = 2 * cross(q[..., 1:], v)
     return v + q[..., :1] * twice + cross(q[..., 1:], twice)
 
@@ -193,7 +208,7 @@ def derivative(q: ArrayLike, omega: ArrayLike) -> jax.Array:
     -------
     (..., 4) [1/s]
     """
-    omega = floating(omega)
+    omega = vector_of(omega, "omega")
     pure = jnp.concatenate([jnp.zeros_like(omega[..., :1]), omega], axis=-1)
     return 0.5 * multiply(q, pure)
 

@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 from jax.typing import ArrayLike
 
-from jaxatt.attitude.vectors import broadcast_batch, dot, floating, tiny
+from jaxatt.attitude.vectors import broadcast_batch, dot, floating, quaternion_of, tiny, vector_of
 
 # Below these squared (half-)angles the truncated series are exact to double precision, as are
 # their first derivatives.
@@ -30,7 +30,7 @@ def from_rotation_vector(vector: ArrayLike) -> jax.Array:
     -------
     (..., 4)
     """
-    vector = floating(vector)
+    vector = vector_of(vector, "rotation vector")
     squared = dot(vector, vector)[..., None]
     small = squared < _EXP_SERIES_BELOW
     x = jnp.where(small, squared, 0.0)
@@ -59,7 +59,7 @@ def to_rotation_vector(q: ArrayLike) -> jax.Array:
     -------
     (..., 3) [rad]
     """
-    q = floating(q)
+    q = quaternion_of(q)
     eta, eps = q[..., :1], q[..., 1:]
     squared = dot(eps, eps)[..., None]
     small = (eta > 0.0) & (squared < _LOG_SERIES_BELOW * eta * eta)
@@ -87,7 +87,7 @@ def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> jax.Array:
     -------
     (..., 4)
     """
-    axis, half = broadcast_batch(axis, 0.5 * floating(angle)[..., None])
+    axis, half = broadcast_batch(vector_of(axis, "axis"), 0.5 * floating(angle)[..., None])
     squared = dot(axis, axis)[..., None]
     no_axis = squared < tiny(squared)
     unit = axis / jnp.sqrt(jnp.where(no_axis, 1.0, squared))

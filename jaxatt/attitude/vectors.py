@@ -14,6 +14,28 @@ def floating(x: ArrayLike) -> jax.Array:
     return array.astype(jnp.result_type(float))
 
 
+def sized(x: ArrayLike, *size: int, name: str) -> jax.Array:
+    """Return `floating(x)`, whose last axes must have this size.
+
+    name : what the message calls it.  Raises `ValueError`.
+    """
+    array = floating(x)
+    if array.shape[-len(size) :] != size:
+        wanted = ", ".join(str(n) for n in size)
+        raise ValueError(f"{name}: has shape {array.shape}; give an array of shape (..., {wanted})")
+    return array
+
+
+def quaternion_of(x: ArrayLike) -> jax.Array:
+    """Return the components (..., 4) of a quaternion, scalar first; raises `ValueError`."""
+    return sized(x, 4, name="quaternion")
+
+
+def vector_of(x: ArrayLike, name: str = "vector") -> jax.Array:
+    """Return the components (..., 3) of a vector; raises `ValueError`."""
+    return sized(x, 3, name=name)
+
+
 def tiny(array: jax.Array) -> float:
     """Smallest normal number of the array's type; a squared norm below it counts as zero."""
     return float(np.finfo(array.dtype).tiny)
@@ -50,7 +72,7 @@ def dot(a: ArrayLike, b: ArrayLike) -> jax.Array:
 
 def cross(a: ArrayLike, b: ArrayLike) -> jax.Array:
     """Vector product a x b = S(a) b over the last axis, shape (..., 3)."""
-    a, b = broadcast_batch(a, b)
+    a, b = broadcast_batch(vector_of(a), vector_of(b))
     a1, a2, a3 = a[..., 0], a[..., 1], a[..., 2]
     b1, b2, b3 = b[..., 0], b[..., 1], b[..., 2]
     return jnp.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
@@ -67,7 +89,7 @@ def skew(v: ArrayLike) -> jax.Array:
     -------
     (..., 3, 3)
     """
-    v = floating(v)
+    v = vector_of(v)
     x, y, z = v[..., 0], v[..., 1], v[..., 2]
     zero = jnp.zeros_like(x)
     return stack_matrix([[zero, -z, y], [z, zero, -x], [-y, x, zero]])

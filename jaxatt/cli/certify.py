@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared
 from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts
 from jaxatt.pipeline.certify import MOST_SUPPORTS
 from jaxatt.pipeline.certify import certify as run
@@ -40,11 +40,8 @@ def certify(
 
         with Reporter(scenario.solver.starts, quiet) as report:
             certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)
-        if not quiet:
-            show(certificate.table())
-            for sentence in certificate.sentences():
-                typer.echo(sentence)
+        sentences = certificate.sentences()
         files = certificate.save(folder)
-        finish(" ".join(certificate.sentences()), files, folder, quiet)
+        finish(" ".join(sentences), files, folder, quiet, certificate.table(), sentences)
         if not certificate.result.reached:
             raise typer.Exit(NOT_REACHED)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -44,24 +46,74 @@ def numbers(text: str, option: str) -> list[float]:
         raise typer.BadParameter(f"{option} {text}: give numbers separated by commas") from None
 
 
-def show(table: RenderableType) -> None:
+def say(text: str, *, newline: bool = True) -> None:
+    """Print on standard output; a reader that has gone has read enough.
+
+    Raises `OutputError` where it cannot be written for another reason, such as a full disk.
+    """
+    with _standard_output():
+        typer.echo(text, nl=newline)
+
+
+def complain(text: str) -> None:
+    """Print on the standard error stream, if anybody listens."""
+    with suppress(OSError):
+        typer.echo(text, err=True)
+
+
+def finish(
+    line: str,
+    files: list[Path],
+    folder: Path,
+    quiet: bool,
+    table: RenderableType,
+    sentences: Iterable[str] = (),
+) -> None:
+    """Print a result whose files are written: the table and where they are, or `line` if quiet.
+
+    Files come first, so that nothing is lost where nothing can be printed.
+    """
+    try:
+        if quiet:
+            say(f"{line}; {folder}")
+            return
+        _show(table)
+        for sentence in sentences:
+            say(sentence)
+        plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
+        figures = sum(file.suffix == ".png" for file in files)
+        say(f"Written to {folder}: {', '.join(plain)} and {figures} figures")
+    except OutputError as error:
+        raise OutputError(f"{error}; all files are in {folder}") from error
+
+
+def _show(table: RenderableType) -> None:
     """Print a table, as plain text where the output is no terminal."""
-
     console = Console()
-    if console.is_terminal:
-        console.print(table)
-    else:
-        typer.echo(as_text(table))
-
-
-def finish(line: str, files: list[Path], folder: Path, quiet: bool) -> None:
-    """Print what was written, or with `quiet` the result in one line."""
-    if quiet:
-        typer.echo(f"{line}; {folder}")
+    if not console.is_terminal:
+        say(as_text(table))
         return
-    plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
-    figures = sum(file.suffix == ".png" for file in files)
-    typer.echo(f"Written to {folder}: {', '.join(plain)} and {figures} figures")
+    with _standard_output():
+        console.print(table)
+
+
+@contextmanager
+def _standard_output() -> Iterator[None]:
+    try:
+        yield
+    except BrokenPipeError:
+        _discard_the_rest()
+    except OSError as error:
+        _discard_the_rest()
+        raise OutputError(f"standard output: cannot be written ({error.strerror})") from error
+
+
+def _discard_the_rest() -> None:
+    """Send what is still to be printed nowhere, or the interpreter fails on it at its end."""
+    with suppress(OSError):  # streams that belong to no file
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
 
 
 def shortfall(result: Result) -> str:
@@ -90,8 +142,8 @@ def clean_exit() -> Iterator[None]:
     try:
         yield
     except (ScenarioError, OutputError) as error:
-        typer.echo(f"Error: {error}", err=True)
+        complain(f"Error: {error}")
         raise typer.Exit(BAD_INPUT) from None
     except KeyboardInterrupt:
-        typer.echo("Interrupted; nothing half-written was left behind.", err=True)
+        complain("Interrupted; nothing half-written was left behind.")
         raise typer.Exit(INTERRUPTED) from None

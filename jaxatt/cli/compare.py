@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import typer
@@ -9,11 +10,11 @@ import typer
 from jaxatt.cli.common import (
     NOT_REACHED,
     clean_exit,
+    complain,
     finish,
     prepare_jax,
     prepared,
     shortfall,
-    show,
 )
 from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
 from jaxatt.problems.reading.documents import read_file
@@ -47,14 +48,11 @@ def compare(
 
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, starts, seed, report)
-        if not quiet:
-            show(comparison.table())
-        files = comparison.save(folder)
-        finish(repr(comparison), files, folder, quiet)
+        finish(repr(comparison), comparison.save(folder), folder, quiet, comparison.table())
         if not comparison.reached:
             for kind, result in comparison.results.items():
                 if not result.reached:
-                    typer.echo(f"{kind}: {shortfall(result)}", err=True)
+                    complain(f"{kind}: {shortfall(result)}")
             raise typer.Exit(NOT_REACHED)
 
 
@@ -64,7 +62,7 @@ def _kind(case: str) -> str:
     known = kind_of(case)
     if known is not None:
         return known
-    has_laws = Path(case).is_file() and "laws" in read_file(Path(case))
+    has_laws = os.path.isfile(case) and "laws" in read_file(Path(case))
     return "flight" if has_laws else "manoeuvre"
 
 
@@ -78,9 +76,7 @@ def _compare_flight(
     folder = prepare_folder(out or Path("results") / flight.name)
     with Reporter(len(flight.laws), quiet) as report:
         comparison = compare_flight(flight, seed, report)
-    if not quiet:
-        show(comparison.table())
-    finish(repr(comparison), comparison.save(folder), folder, quiet)
+    finish(repr(comparison), comparison.save(folder), folder, quiet, comparison.table())
 
 
 def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
@@ -89,6 +85,4 @@ def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
     prepare_jax()
 
     found = compare_imaging()
-    if not quiet:
-        show(found.table())
-    finish(repr(found), found.save(folder), folder, quiet)
+    finish(repr(found), found.save(folder), folder, quiet, found.table())

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from jaxatt.problems.reading.heading import MOST_SEED, MOST_STARTS
 from jaxatt.problems.registry import families
 
 
@@ -34,11 +35,14 @@ Flight = Annotated[
     str, typer.Argument(metavar="NAME_OR_FILE", help="A bundled flight or a TOML file.")
 ]
 Starts = Annotated[
-    int | None, typer.Option(min=1, help="Number of starts.", show_default="the scenario's")
+    int | None,
+    typer.Option(min=1, max=MOST_STARTS, help="Number of starts.", show_default="the scenario's"),
 ]
 Seed = Annotated[
     int | None,
-    typer.Option(min=0, help="Seed of the random starts.", show_default="the scenario's"),
+    typer.Option(
+        min=0, max=MOST_SEED, help="Seed of the random starts.", show_default="the scenario's"
+    ),
 ]
 Out = Annotated[
     Path | None,

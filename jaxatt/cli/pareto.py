@@ -10,11 +10,11 @@ import typer
 from jaxatt.cli.common import (
     NOT_REACHED,
     clean_exit,
+    complain,
     finish,
     numbers,
     prepare_jax,
     prepared,
-    show,
 )
 from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
 from jaxatt.runtime.progress import Reporter
@@ -70,9 +70,7 @@ def pareto(
                 seed=seed,
                 report=report,
             )
-        if not quiet:
-            show(found.table())
-        finish(repr(found), found.save(folder), folder, quiet)
+        finish(repr(found), found.save(folder), folder, quiet, found.table())
         if not found.reached:
-            typer.echo("a point does not reach what was asked when flown", err=True)
+            complain("a point does not reach what was asked when flown")
             raise typer.Exit(NOT_REACHED)

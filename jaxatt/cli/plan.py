@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared
 from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
 from jaxatt.pipeline.solve import solve
 from jaxatt.report.tables import result_table
@@ -56,9 +56,7 @@ def plan(
             return
         with Reporter(scenario.solver.starts, quiet) as report:
             result = solve(scenario, report=report)
-        if not quiet:
-            show(result_table(result))
-        finish(repr(result), result.save(folder), folder, quiet)
+        finish(repr(result), result.save(folder), folder, quiet, result_table(result))
         if not result.reached:
             raise typer.Exit(NOT_REACHED)
 
@@ -69,8 +67,6 @@ def _over_dates(
     days = read_dates(dates, scenario)
     with Reporter(len(days) * (starts or STARTS), quiet) as report:
         year = plan_year(scenario, days, starts=starts, seed=seed, report=report)
-    if not quiet:
-        show(year.table())
-    finish(repr(year), year.save(folder), folder, quiet)
+    finish(repr(year), year.save(folder), folder, quiet, year.table())
     if not year.reached:
         raise typer.Exit(NOT_REACHED)

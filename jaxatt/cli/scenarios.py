@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit
+from jaxatt.cli.common import clean_exit, say
 from jaxatt.scenarios import text
 from jaxatt.scenarios.bundled import KINDS, titles
 
@@ -21,8 +21,9 @@ def list_scenarios(context: typer.Context) -> None:
 
     known = {name: title for kind in KINDS for name, title in titles(kind).items()}
     width = max(len(name) for name in known)
-    for name, title in known.items():
-        typer.echo(f"{name:{width}}  {title}")
+    with clean_exit():
+        for name, title in known.items():
+            say(f"{name:{width}}  {title}")
 
 
 @scenarios.command("show")
@@ -31,4 +32,4 @@ def show_scenario(
 ) -> None:
     """Print a bundled scenario as TOML, to be changed and solved."""
     with clean_exit():
-        typer.echo(text(name), nl=False)
+        say(text(name), newline=False)

@@ -7,13 +7,15 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, show
+from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax
 from jaxatt.cli.options import Cache, Flight, Out, Quiet
 from jaxatt.pipeline.simulate import simulate as run
+from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.report.flight_table import flight_table
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import load_flight
+from jaxatt.scenarios.flight_tables import MOST_RUNS
 
 
 def simulate(
@@ -25,11 +27,15 @@ def simulate(
     runs: Annotated[
         int | None,
         typer.Option(
-            min=1, help="Runs, spread as the flight says.", show_default="the nominal one alone"
+            min=1,
+            max=MOST_RUNS,
+            help="Runs, spread as the flight says.",
+            show_default="the nominal one alone",
         ),
     ] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="Seed of the runs.", show_default="the flight's")
+        int | None,
+        typer.Option(min=0, max=MOST_SEED, help="Seed of the runs.", show_default="the flight's"),
     ] = None,
     out: Out = None,
     compile_cache: Cache = None,
@@ -43,15 +49,10 @@ def simulate(
 
         with Reporter(runs or 1, quiet) as report:
             result = run(flight, law, runs=runs, seed=seed, report=report)
-        if not quiet:
-            show(flight_table(result))
-        finish(repr(result), result.save(folder), folder, quiet)
+        finish(repr(result), result.save(folder), folder, quiet, flight_table(result))
         if not result.sound.all():
             failed = {words: len(rows) for words, rows in result.failures.items()}
-            typer.echo(
-                "; ".join(
-                    f"{number} of {result.runs}: {words}" for words, number in failed.items()
-                ),
-                err=True,
+            complain(
+                "; ".join(f"{number} of {result.runs}: {words}" for words, number in failed.items())
             )
             raise typer.Exit(NOT_REACHED)

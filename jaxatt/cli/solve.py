@@ -9,11 +9,11 @@ import typer
 from jaxatt.cli.common import (
     NOT_REACHED,
     clean_exit,
+    complain,
     finish,
     prepare_jax,
     prepared,
     shortfall,
-    show,
 )
 from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts, Terminal
 from jaxatt.pipeline.solve import solve as find
@@ -48,12 +48,9 @@ def solve(
 
         with Reporter(scenario.solver.starts, quiet) as report:
             result = find(scenario, report=report)
-        if not quiet:
-            show(result_table(result))
-        files = result.save(folder)
-        finish(repr(result), files, folder, quiet)
+        finish(repr(result), result.save(folder), folder, quiet, result_table(result))
         if not result.reached:
             # The table ends with this sentence already.
             sentence = do_nothing_sentence(result) if quiet else ""
-            typer.echo(f"{sentence} {shortfall(result)}".strip(), err=True)
+            complain(f"{sentence} {shortfall(result)}".strip())
             raise typer.Exit(NOT_REACHED)

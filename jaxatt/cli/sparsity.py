@@ -6,8 +6,9 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared, show
+from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared
 from jaxatt.cli.options import Cache, Case, Out, Quiet
+from jaxatt.problems.reading.heading import MOST_STARTS
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.relative_sparsity import relative_sparsity
 from jaxatt.studies.sparsity_table import sparsity_table
@@ -15,7 +16,7 @@ from jaxatt.studies.sparsity_table import sparsity_table
 
 def sparsity(
     case: Case,
-    starts: Annotated[int, typer.Option(min=1, help="Starts of every case.")] = 16,
+    starts: Annotated[int, typer.Option(min=1, max=MOST_STARTS, help="Starts of every case.")] = 16,
     intervals: Annotated[
         str, typer.Option(help="Numbers of control intervals, separated by commas.")
     ] = "15,30,45,60,90,120",
@@ -38,10 +39,8 @@ def sparsity(
             study = relative_sparsity(
                 scenario, [int(count) for count in counts], factors, starts, report
             )
-        if not quiet:
-            show(sparsity_table(study.to_dict()))
-        files = study.save(folder)
-        finish(repr(study), files, folder, quiet)
+        table = sparsity_table(study.to_dict())
+        finish(repr(study), study.save(folder), folder, quiet, table)
 
 
 def _numbers(option: str, text: str) -> list[float]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, numbers, prepare_jax, show
+from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, numbers, prepare_jax
 from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
@@ -39,11 +39,9 @@ def sweep(
 
         with Reporter(starts or loaded[0].solver.starts, quiet) as report:
             found = sweep_effort(loaded, weights or WEIGHTS, starts, seed, report)
-        if not quiet:
-            show(found.table())
-        finish(repr(found), found.save(folder), folder, quiet)
+        finish(repr(found), found.save(folder), folder, quiet, found.table())
         if not found.reached:
-            typer.echo("an optimum does not reach its target when flown", err=True)
+            complain("an optimum does not reach its target when flown")
             raise typer.Exit(NOT_REACHED)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import math
+import re
 
 import jax
 import jax.numpy as jnp
@@ -14,13 +15,24 @@ EARTH_RATE = 7.292115146706979e-5
 """Rate of the Earth's rotation [rad/s]."""
 
 
+_LEAP_SECOND = re.compile(r"(?<=:\d\d):60(?=\.|,|Z|z|[+-]|$)")
+NO_LEAP_SECOND = "only the last second of a day in UTC can be a leap second"
+
+
 def parse(text: str) -> dt.datetime:
     """Read an instant such as 2020-03-20T12:00:00Z; without a time zone it is taken as UTC.
 
+    A leap second is taken for the first second of the next day: UTC stands for UT1 throughout.
     Raises `ValueError` where the text is no moment.
     """
-    moment = dt.datetime.fromisoformat(text)
-    return moment.replace(tzinfo=dt.UTC) if moment.tzinfo is None else moment.astimezone(dt.UTC)
+    early, leap = _LEAP_SECOND.subn(":59", text)
+    moment = dt.datetime.fromisoformat(early)
+    moment = moment.replace(tzinfo=dt.UTC) if moment.tzinfo is None else moment.astimezone(dt.UTC)
+    if not leap:
+        return moment
+    if (moment.hour, moment.minute) != (23, 59):
+        raise ValueError(NO_LEAP_SECOND)
+    return moment + dt.timedelta(seconds=1)
 
 
 def days_since_j2000(moment: dt.datetime) -> float:

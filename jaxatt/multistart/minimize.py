@@ -126,7 +126,8 @@ def minimize(
     The best start is returned: converged before feasible before anything else, then by objective.
     Where none gets there a few more starts are drawn in the same way.
     `Status.CONVERGED` means that violation and stationarity hold at the returned x; INFEASIBLE
-    that x is a stationary point of the violation, so other starts may still get there.
+    that x, within its bounds, is a stationary point of half the squared violation in the
+    constraints' own units, so other starts may still get there.
 
     Raises ValueError where the input does not make sense.
     """

@@ -15,6 +15,7 @@ from jaxatt.environment.table import tabulate
 from jaxatt.pipeline.solve import solve, versions
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.surroundings import surroundings_of
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.runtime.chunks import Report
@@ -22,6 +23,7 @@ from jaxatt.runtime.clock import compile_seconds
 from jaxatt.scenarios.catalog import load_flight
 from jaxatt.scenarios.flight_build import Plan, build_flight
 from jaxatt.scenarios.flight_model import FlightScenario
+from jaxatt.scenarios.flight_tables import MOST_RUNS
 from jaxatt.simulation.campaign import Spread, fly_runs
 from jaxatt.simulation.flight import fly_torque
 
@@ -62,11 +64,12 @@ def simulate(
     began, compiled = time.perf_counter(), compile_seconds()
     shared, start = build_flight(flight, plan)
     count = 1 if runs is None else runs
-    if count < 1:
-        raise ValueError(f"runs = {count}: must be at least 1")
+    number = flight.seed if seed is None else seed
+    for name, value, least, most in (("runs", count, 1, MOST_RUNS), ("seed", number, 0, MOST_SEED)):
+        if not least <= value <= most:
+            raise ValueError(f"{name} = {value}: must be at least {least} and at most {most}")
     drawn = (spread or flight.spread) if runs is not None else None
     progress = None if report is None else (lambda done: report("flying", done))
-    number = flight.seed if seed is None else seed
     flown = fly_runs(shared, start, chosen, count, number, drawn, progress)
     total = time.perf_counter() - began
     compiling = compile_seconds() - compiled

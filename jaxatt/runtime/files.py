@@ -22,21 +22,26 @@ def prepare_folder(path: str | Path) -> Path:
         The folder can be neither made nor written into.
     """
     folder = Path(path)
-    missing = [part for part in (folder, *folder.parents) if not part.exists()]
+    missing = [part for part in (folder, *folder.parents) if not os.path.exists(part)]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        raise OutputError(
-            f"{folder}: nothing can be written there ({error.strerror or error}); name another "
-            "folder or change its permissions"
-        ) from error
+    except (OSError, ValueError) as error:  # a ValueError for what no path can hold
+        raise _refused(folder, error) from error
     finally:
         for part in missing:
-            with suppress(OSError):
+            with suppress(OSError, ValueError):
                 part.rmdir()
     return folder
+
+
+def _refused(folder: Path, error: Exception) -> OutputError:
+    reason = getattr(error, "strerror", None) or error
+    return OutputError(
+        f"{folder}: nothing can be written there ({reason}); name another folder, make room in it "
+        "or change its permissions"
+    )
 
 
 @contextmanager
@@ -53,10 +58,16 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 @contextmanager
 def filling(path: str | Path) -> Iterator[Path]:
-    """Give a temporary folder in `path`, and move its files into `path` on success."""
+    """Give a temporary folder in `path`, and move its files into `path` on success.
+
+    Raises `OutputError` where something cannot be written, such as on a full disk.
+    """
     folder = prepare_folder(path)
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".partial-", dir=folder) as partial:
-        yield Path(partial)
-        for entry in sorted(Path(partial).iterdir()):
-            os.replace(entry, folder / entry.name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=".partial-", dir=folder) as partial:
+            yield Path(partial)
+            for entry in sorted(Path(partial).iterdir()):
+                os.replace(entry, folder / entry.name)
+    except OSError as error:
+        raise _refused(folder, error) from error

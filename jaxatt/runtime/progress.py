@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from types import TracebackType
 
 from rich.console import Console
@@ -22,6 +23,13 @@ _COUNTED = ("deciding", "polishing", "flying")
 """Stages that treat every start once; how much others will have to do is not known."""
 
 
+class _Listened(Console):
+    """A console that falls silent, rather than end the process, when nobody listens any more."""
+
+    def on_broken_pipe(self) -> None:
+        self.quiet = True
+
+
 class Reporter:
     """Callable (stage, starts ended) for `solve`: a bar in a terminal, plain lines elsewhere.
 
@@ -29,7 +37,7 @@ class Reporter:
     """
 
     def __init__(self, starts: int, silent: bool = False):
-        console = Console(stderr=True)
+        console = _Listened(stderr=True)
         self._starts, self._console, self._silent = starts, console, silent
         self._stage, self._done = "", 0
         self._told = -_SECONDS_BETWEEN_LINES
@@ -72,7 +80,10 @@ class Reporter:
             )
         elif not self._silent and (fresh or self._done == total or self._overdue()):
             self._told = time.monotonic()
-            self._console.print(f"{stage}: {count}", highlight=False, markup=False, soft_wrap=True)
+            with suppress(OSError):  # a full disk
+                self._console.print(
+                    f"{stage}: {count}", highlight=False, markup=False, soft_wrap=True
+                )
 
     def _overdue(self) -> bool:
         return time.monotonic() - self._told >= _SECONDS_BETWEEN_LINES

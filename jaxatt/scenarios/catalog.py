@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from jaxatt.problems.reading.documents import parse
@@ -44,8 +45,7 @@ def load_flight(name_or_path: str | Path) -> FlightScenario:
 
 
 def _is_file(name_or_path: str | Path) -> bool:
-    path = Path(name_or_path)
-    return path.suffix == ".toml" or path.is_file()
+    return Path(name_or_path).suffix == ".toml" or os.path.isfile(name_or_path)
 
 
 def _neither(wanted: str, kind: str, word: str) -> ScenarioError:

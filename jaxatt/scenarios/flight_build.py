@@ -13,6 +13,7 @@ from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.environment import epoch, igrf
 from jaxatt.environment.along_orbit import Nodes, OrbitTask, inertial_nodes, tabulate
 from jaxatt.environment.external import Along
+from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.surroundings import elements_of
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Start
@@ -76,10 +77,10 @@ def _surroundings(scenario: FlightScenario, count: int, steps: int) -> tuple[Alo
         wave = jnp.asarray(around.sine * np.sin(around.frequency * half))
         return Along(disturbance=Vector(wave, wave, wave)), inertial_nodes(count // steps + 1)
     field, days = None, 0.0
-    if around.epoch is not None:
-        days = epoch.days_since_j2000(around.epoch)
+    if around.days is not None:
+        days = around.days
         if around.torques.magnetic or scenario.dumping is not None:
-            field = igrf.at_year(epoch.decimal_year(around.epoch))
+            field = igrf.at_year(epoch.decimal_year(moment_of(days)))
     task = OrbitTask(
         elements_of(around.orbit),
         jnp.asarray(around.orbit.gravitational_parameter),

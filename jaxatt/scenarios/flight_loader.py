@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.names import check_folder_name, read_name
+from jaxatt.problems.reading.printed import read_printed
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
 from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.scenarios.flight_schema import FLIGHT_TABLES
+from jaxatt.scenarios.flight_schema import FLIGHT_TABLES, PRINTED_FIGURES
 from jaxatt.scenarios.loader import assign, plain_values
 
 
@@ -46,11 +49,6 @@ def flight_from_mapping(
     around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
     initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes)
     asked = flight_tables.read_reference(data.get("reference", {}), origin, initial, notes)
-    if around.torques.magnetic and around.epoch is None:
-        raise ScenarioError(
-            f"{origin}: [environment] epoch: missing; magnetic torques need the date, add a line "
-            'such as epoch = "2020-03-20T12:00:00Z"'
-        )
     signal, band, since = flight_tables.read_settling(data.get("settling", {}), origin, asked.since)
     dumping = None
     if "dumping" in data:
@@ -58,20 +56,32 @@ def flight_from_mapping(
     tables = data["laws"]
     if not isinstance(tables, dict) or not tables:
         top.fail("laws", "holds no law", "write [laws.NAME] and its gains below")
+    for name in tables:
+        check_folder_name(top, "laws", name, "results/NAME/LAW")
     laws = {name: read_law(law, origin, name, vehicle) for name, law in tables.items()}
     spread, runs, seed = flight_tables.read_campaign(data.get("campaign", {}), origin)
-    printed = data.get("printed", {})
-    if not isinstance(printed, dict):
-        top.fail("printed", "is not a table", "write [printed.LAW] and its keys below")
+    timing = flight_tables.read_timing(data["simulation"], origin)
+    needs = {}
+    if dumping is not None:
+        needs[MAGNETIC_FIELD] = "[dumping]"
+    if around.torques.magnetic:
+        eddy = around.torques.residual_dipole is None
+        needs[MAGNETIC_FIELD] = "eddy_coefficient" if eddy else "residual_dipole_Am2"
+    if around.torques.solar_pressure is not None and around.sun is None:
+        needs[SUNLIGHT] = "solar_pressure without sun_direction"
+    surroundings = Table(
+        data.get("environment", {}), origin, "[environment]", FLIGHT_TABLES["environment"]
+    )
+    check_epoch(surroundings, around.days, timing.duration, needs)
     return FlightScenario(
-        name=top.text("name", Path(origin).stem),
+        name=read_name(top),
         title=top.text("title", Path(origin).stem),
         source=top.text("source", "not stated"),
         vehicle=vehicle,
         surroundings=around,
         initial=initial,
         asked=asked,
-        timing=flight_tables.read_timing(data["simulation"], origin),
+        timing=timing,
         signal=signal,
         band=band,
         since=since,
@@ -82,12 +92,20 @@ def flight_from_mapping(
         spread=spread,
         runs=runs,
         seed=seed,
-        printed=printed,
+        printed=_read_printed(data.get("printed", {}), origin, laws),
         notes=tuple(notes),
         document=data,
         origin=origin,
         folder=folder,
     )
+
+
+def _read_printed(data: Any, origin: str, laws: Iterable[str]) -> Mapping[str, Any]:
+    """Read [printed]: figures by law, and the reasons known for a difference, for all or one."""
+    printed = read_printed(data, origin, {**dict.fromkeys(laws, PRINTED_FIGURES), "why": {}})
+    for law in laws:
+        read_printed(printed.get(law, {}), origin, {"why": {}}, label=f"[printed.{law}]")
+    return printed
 
 
 def replace_in_flight(flight: FlightScenario, changes: Mapping[str, Any]) -> FlightScenario:

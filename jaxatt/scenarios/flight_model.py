@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,12 +21,13 @@ from jaxatt.spacecraft.checks import Float64
 class Surroundings:
     """Orbit, epoch and disturbing torques of a flight.
 
-    orbit : None where the frame of reference is inertial.  epoch : UTC, None where nothing asks.
+    orbit : None where the frame of reference is inertial.  days : epoch, since J2000; None where
+    nothing asks.
     sun : (3,), fixed direction of an always shining sun, or None for the true one.
     """
 
     orbit: Orbit | None
-    epoch: dt.datetime | None
+    days: float | None
     gravity_gradient: bool
     sine: float
     frequency: float

@@ -39,6 +39,17 @@ FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
     "printed": (),
 }
 
+PRINTED_FIGURES: Mapping[str, int] = {
+    "settling_s": 3,
+    "settling_worst_s": 1,
+    "rms_deg": 3,
+    "rms_rad_s": 3,
+    "peak_Nm": 3,
+    "settling_limit_s": 1,
+    "integral_Nms": 1,
+}
+"""Figures of [printed.LAW] that are compared, and how many numbers each has."""
+
 DRAG_KEYS = ("density_kg_m3", "area_m2", "coefficient", "lever_m", "corotating")
 SOLAR_KEYS = ("irradiance_W_m2", "light_speed_m_s", "area_m2", "reflectance", "lever_m")
 

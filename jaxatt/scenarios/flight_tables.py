@@ -13,11 +13,11 @@ from jaxatt.environment import epoch
 from jaxatt.environment.aerodynamic_drag import Drag
 from jaxatt.environment.eddy_currents import EddyCurrents
 from jaxatt.environment.external import ExternalTorques
-from jaxatt.environment.igrf import FIRST_YEAR, LAST_YEAR
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
@@ -26,6 +26,10 @@ from jaxatt.simulation.campaign import Spread
 from jaxatt.spacecraft import Spacecraft
 
 _WHOLE = 1e-6
+
+MOST_RUNS = 10_000_000
+MOST_STEPS = 10_000_000
+"""Runge-Kutta steps of a flight whose surroundings fit into memory."""
 
 
 def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surroundings:
@@ -69,31 +73,13 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
         sun = sun / np.linalg.norm(sun)
     return Surroundings(
         orbit,
-        _epoch(table),
+        read_epoch(table),
         table.flag("gravity_gradient"),
         table.number("sinusoidal_torque_Nm", 0.0),
         table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
         sun,
         ExternalTorques(drag, solar, dipole, eddy),
     )
-
-
-def _epoch(table: Table) -> Any:
-    if "epoch" not in table:
-        return None
-    text = table.text("epoch")
-    try:
-        moment = epoch.parse(text)
-    except ValueError:
-        table.fail("epoch", "is no moment", 'write it as "2020-03-20T12:00:00Z"')
-    year = epoch.decimal_year(moment)
-    if not FIRST_YEAR <= year <= LAST_YEAR:
-        table.fail(
-            "epoch",
-            f"is outside the years of the field model IGRF-14, {FIRST_YEAR:.0f} to {LAST_YEAR:.0f}",
-            "give a date within",
-        )
-    return moment
 
 
 def read_reference(data: Any, origin: str, initial: InitialState, notes: list[str]) -> Asked:
@@ -120,6 +106,12 @@ def read_timing(data: Any, origin: str) -> Timing:
     sampling = table.number("sampling_s", above=0.0, example="0.1")
     step = table.number("step_s", sampling, above=0.0)
     records = table.integer("records", 400)
+    if duration / step > MOST_STEPS:
+        table.fail(
+            "step_s" if "step_s" in table else "sampling_s",
+            f"the flight takes {duration / step:.3g} steps, more than {MOST_STEPS:g}",
+            "give a longer step, or a shorter duration_s",
+        )
     for key, whole, part, of in (
         ("sampling_s", sampling, step, "step_s"),
         ("duration_s", duration, sampling, "sampling_s"),
@@ -174,7 +166,7 @@ def read_dumping(
             f"momentum dumping needs magnetorquers, which the vehicle {vehicle.name} lacks",
             "add [vehicle.magnetorquers] with dipole_limit_Am2, or drop [dumping]",
         )
-    if around.orbit is None or around.epoch is None:
+    if around.orbit is None or around.days is None:
         table.fail(
             "gain_1_s",
             "momentum dumping needs the Earth's magnetic field",
@@ -198,4 +190,8 @@ def read_campaign(data: Any, origin: str) -> tuple[Spread, int, int]:
         math.radians(table.number("misalignment_deg", 0.0, at_least=0.0, at_most=45.0)),
         table.number("gain_percent", 0.0, at_least=0.0, at_most=50.0) / 100.0,
     )
-    return spread, table.integer("runs", 1000), table.integer("seed", 0, at_least=0)
+    return (
+        spread,
+        table.integer("runs", 1000, at_most=MOST_RUNS),
+        table.integer("seed", 0, at_least=0),
+    )

@@ -31,7 +31,7 @@ Light = Callable[[Floats], Floats]
 
 def parts_for(step: float) -> int:
     """Number of equal parts of a step [s], with two Gauss points each."""
-    return min(_MOST, math.ceil(step / _PART - 1e-9))
+    return max(1, min(_MOST, math.ceil(step / _PART - 1e-9)))
 
 
 def shares_of(points: int) -> Floats:

@@ -8,7 +8,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
+from jaxatt.spacecraft.checks import SMALLEST, FieldError, Float64, finite_array
 
 Number = jax.Array | Float64 | float
 
@@ -64,7 +64,7 @@ def battery(
     Raises `FieldError`, a `ValueError`.
     """
     most = _number("capacity", capacity, infinite=True)
-    if not most > 0.0:
+    if not most >= SMALLEST:
         raise FieldError("capacity", f"is {most:g} J; give a number greater than 0")
     if charge is None and most == float("inf"):
         charge = 0.0

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.attitude.components import Vector
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
+from jaxatt.spacecraft.checks import SMALLEST, FieldError, Float64, brief, finite_array, positive
 
 Array = jax.Array | Float64
 
@@ -78,9 +78,9 @@ def magnetorquers(
         )
     if full_power is not None:
         power = finite_array("full_power", full_power)
-        if power.ndim or not power > 0.0:
+        if power.ndim or not power >= SMALLEST:
             raise FieldError(
-                "full_power", f"is {full_power!r}; give one number greater than 0, in watts"
+                "full_power", f"is {brief(full_power)}; give one number greater than 0, in watts"
             )
         return Magnetorquers(limit, float(power))
     return Magnetorquers(limit, None, **{k: _per_axis(k, v) for k, v in given.items()})
@@ -93,6 +93,4 @@ def _per_axis(field: str, value: Any) -> Float64:
             field,
             f"has shape {array.shape}; give one number for all or three numbers, one a body axis",
         )
-    if not (array > 0.0).all():
-        raise FieldError(field, f"holds {array.min():g}; every value must be greater than 0")
-    return np.broadcast_to(array, (3,)).copy()
+    return np.broadcast_to(positive(field, array), (3,)).copy()

@@ -10,7 +10,13 @@ import numpy as np
 
 from jaxatt.attitude.components import Scalar, Vector
 from jaxatt.attitude.smooth_maximum import positive_part
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array, positive_per_item
+from jaxatt.spacecraft.checks import (
+    SMALLEST,
+    FieldError,
+    Float64,
+    finite_array,
+    positive_per_item,
+)
 
 Array = jax.Array | Float64
 
@@ -124,7 +130,7 @@ def _area(value: Any, count: int) -> Float64:
             f"has shape {area.shape}, but there are {count} panels; give {count} areas, one a "
             "normal",
         )
-    if area.min() <= 0.0:
+    if area.min() < SMALLEST:
         raise FieldError(
             "area",
             f"panel {int(area.argmin()) + 1} has {area.min():g} m^2; every panel must have an "

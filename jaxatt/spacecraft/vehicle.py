@@ -11,14 +11,12 @@ import numpy as np
 
 from jaxatt.attitude.vectors import matvec
 from jaxatt.spacecraft.battery import Battery
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array
+from jaxatt.spacecraft.checks import FieldError, brief, finite_array
+from jaxatt.spacecraft.inertia import checked_inertia
 from jaxatt.spacecraft.magnetorquers import Magnetorquers
 from jaxatt.spacecraft.panels import SolarPanels
 from jaxatt.spacecraft.thrusters import Thrusters, missing_senses, no_thrusters
 from jaxatt.spacecraft.wheels import Array, ReactionWheels, momentum, no_wheels
-
-_SYMMETRY_TOLERANCE = 1e-9
-_TRIANGLE_TOLERANCE = 1e-9
 
 
 @jax.tree_util.register_dataclass
@@ -93,6 +91,8 @@ def create(
     panels: SolarPanels | None = None,
     battery: Battery | None = None,
     loads: Mapping[str, float] | None = None,
+    *,
+    notes: list[str] | None = None,
 ) -> Spacecraft:
     """Return a checked spacecraft.
 
@@ -112,13 +112,15 @@ def create(
     battery : Battery, optional
         As built by `battery`.
     loads : dict of str to float [W], optional
+    notes : list of str, optional
+        Receives a line where only the rounding of the inertia makes it that of no body.
 
     Raises
     ------
     FieldError
         A `ValueError` that names the field, the value and what is allowed.
     """
-    total = _inertia(inertia)
+    total = checked_inertia(inertia, [] if notes is None else notes)
     if wheels is None and thrusters is None and magnetorquers is None:
         raise FieldError(
             "wheels",
@@ -159,36 +161,6 @@ def _loads(loads: Mapping[str, Any]) -> dict[str, float]:
     for mode, power in loads.items():
         value = finite_array(mode, power)
         if value.ndim or not value >= 0.0:
-            raise FieldError(mode, f"is {power!r}; give one number of at least 0, in watts")
+            raise FieldError(mode, f"is {brief(power)}; give one number of at least 0, in watts")
         checked[mode] = float(value)
     return checked
-
-
-def _inertia(value: Any) -> Float64:
-    matrix = finite_array("inertia", value)
-    if matrix.shape != (3, 3):
-        raise FieldError("inertia", f"has shape {matrix.shape}; give three rows of three numbers")
-    skew = np.abs(matrix - matrix.T)
-    if skew.max() > _SYMMETRY_TOLERANCE * np.abs(matrix).max():
-        i, j = (int(k) for k in np.unravel_index(int(skew.argmax()), (3, 3)))
-        raise FieldError(
-            "inertia",
-            f"is not symmetric: row {i + 1}, column {j + 1} holds {matrix[i, j]:g}, but row {j + 1}"
-            f", column {i + 1} holds {matrix[j, i]:g}; both must be the same number",
-        )
-    symmetric: Float64 = 0.5 * (matrix + matrix.T)
-    moments = np.linalg.eigvalsh(symmetric)
-    shown = ", ".join(f"{moment:.6g}" for moment in moments)
-    if moments[0] <= 0.0:
-        raise FieldError(
-            "inertia",
-            f"is not positive definite: its principal moments are {shown} kg m^2; all must be "
-            "greater than 0 (check the signs of the products of inertia)",
-        )
-    if moments[2] > (moments[0] + moments[1]) * (1.0 + _TRIANGLE_TOLERANCE):
-        raise FieldError(
-            "inertia",
-            f"breaks the triangle inequality: of its principal moments {shown} kg m^2 the largest "
-            "exceeds the sum of the other two, which no body can have; check the moments and units",
-        )
-    return symmetric

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.attitude.vectors import matvec
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array, positive_per_item
+from jaxatt.spacecraft.checks import FieldError, Float64, brief, finite_array, positive_per_item
 
 Array = jax.Array | Float64
 
@@ -183,7 +183,7 @@ def _share(field: str, value: Any, *, zero: bool = False) -> Float64:
     share = finite_array(field, value)
     if share.ndim or not (0.0 < share <= 1.0 or (zero and share == 0.0)):
         least = "from 0" if zero else "greater than 0"
-        raise FieldError(field, f"is {value!r}; give one number {least} and at most 1")
+        raise FieldError(field, f"is {brief(value)}; give one number {least} and at most 1")
     return share
 
 

@@ -206,7 +206,8 @@ def _findings(scenario: scenarios.Scenario, rows: Sequence[EnergyRow]) -> tuple[
     printed = {row["label"]: row for row in scenario.printed.get("rows", [])}
     found = [text for text in (scenario.printed.get("disagreement"),) if isinstance(text, str)]
     known = [row for row in rows if row.label in printed]
-    gains = {row.label: row.gain_J for row in known if row.gain_J is not None}
+    both = [row for row in known if {"net_J", "baseline_J"} <= set(printed[row.label])]
+    gains = {row.label: row.gain_J for row in both if row.gain_J is not None}
     if gains:
         asked = {k: printed[k]["net_J"] - printed[k]["baseline_J"] for k in gains}
         found.append(

@@ -147,9 +147,13 @@ def _lines(flight: FlightScenario, law: str, result: FlightResult) -> list[Line]
         "settling_s",
         "rms_deg" if flight.signal == "attitude" else "rms_rad_s",
     )
-    if isinstance(flight.laws[law], LatchedMinNorm):
-        always = (*always, "settling_limit_s")
-    wanted = [n for n in FIGURES if n in printed or n in (*always, "peak_Nm", "integral_Nms")]
+    latched = isinstance(flight.laws[law], LatchedMinNorm)
+    always = (*always, "settling_limit_s", "peak_Nm", "integral_Nms")
+    wanted = [
+        name
+        for name in FIGURES
+        if (name in printed or name in always) and (latched or name != "settling_limit_s")
+    ]
     lines = []
     for name in wanted:
         ours = FIGURES[name](result)
@@ -171,5 +175,6 @@ def _difference(ours: list[float], theirs: list[float]) -> float:
         if _INSIDE in (a, b):
             worst = max(worst, 0.0 if a == b else math.inf)
         else:
-            worst = max(worst, abs(a - b) / abs(b) if math.isfinite(a) else math.inf)
+            apart = abs(a - b) if math.isfinite(a) else math.inf
+            worst = max(worst, apart and (apart / abs(b) if b else math.inf))
     return worst

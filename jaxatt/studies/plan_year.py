@@ -15,6 +15,7 @@ from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.net_power.dates import DatedPlan, plan_on_dates
+from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.arrays import Floats
@@ -22,7 +23,7 @@ from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling, replacing
 from jaxatt.runtime.json_files import write_json
 from jaxatt.runtime.settings import check_precision
-from jaxatt.studies.year_dates import beta_angle, date_of
+from jaxatt.studies.year_dates import beta_angle
 from jaxatt.studies.year_view import beta_figure, year_figure, year_table
 
 STARTS = 4
@@ -70,7 +71,7 @@ class Year:
         stored = np.isfinite(self.capacity) and self.plans.reached[k]
         least = self.plans.least_charge[k] if stored else np.nan
         return {
-            "date": f"{date_of(self.plans.days[k]):%Y-%m-%d}",
+            "date": f"{moment_of(self.plans.days[k]):%Y-%m-%d}",
             "beta_deg": float(np.degrees(self.beta[k])),
             "net_J": _number(self.total[k]),
             "harvests_J": _number(self.harvested[k]),

@@ -196,10 +196,10 @@ def _printed_values(scenario: scenarios.Scenario) -> list[np.ndarray]:
     except (TypeError, ValueError):
         values = np.zeros((0, 0))
     rising = values.ndim == 2 and values.size and bool((np.diff(values[0]) > 0.0).all())
-    if not rising or not np.isfinite(values).all() or values[0, 0] <= 0.0:
+    if not rising or not np.isfinite(values).all() or not (values[[0, 2]] > 0.0).all():
         raise scenarios.ScenarioError(
             f"{scenario.name}: [printed] time_weight_W_s, {', '.join(_PRINTED)}: do not fit "
-            "together; give as many numbers in each, and weights of time that rise from above 0"
+            "together; give as many numbers in each, rising weights, and weights and times above 0"
         )
     return list(values)
 

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import datetime as dt
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.environment import kepler, sun
-from jaxatt.environment.epoch import J2000, days_since_j2000, parse
+from jaxatt.environment.epoch import days_since_j2000, parse
+from jaxatt.problems.reading.dates import SUNLIGHT
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Orbit, Scenario
 from jaxatt.problems.surroundings import elements_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 
+_MOST_DATES = 10_000
 _WRITE = (
     "write the first and the last date and, if you like, the days between, such as "
     "2023-01-01:2023-12-31:7"
@@ -33,22 +33,25 @@ def read_dates(text: str, scenario: Scenario) -> Floats:
     try:
         first, last = (days_since_j2000(parse(each)) for each in parts[:2])
         apart = float(parts[2]) if len(parts) == 3 else 1.0
-    except ValueError:
+    except (ValueError, OverflowError):
         raise ScenarioError(f"--dates {text}: {_WRITE}") from None
     if last < first:
         raise ScenarioError(f"--dates {text}: the last date comes before the first; exchange them")
     if not 0.0 < apart < float("inf"):
         raise ScenarioError(f"--dates {text}: {apart:g} days between dates; give more than zero")
+    if not (SUNLIGHT.holds(first) and SUNLIGHT.holds(last)):
+        raise ScenarioError(
+            f"--dates {text}: {SUNLIGHT.name} is known from {SUNLIGHT.span}; give dates within"
+        )
+    if (last - first) / apart > _MOST_DATES:
+        raise ScenarioError(
+            f"--dates {text}: more than {_MOST_DATES} dates; give more days between them"
+        )
     hour = 0.0
     if scenario.orbit is not None and scenario.orbit.days is not None:
         hour = (scenario.orbit.days + 0.5) % 1.0
     count = int((last - first) / apart + 1e-9) + 1
     return np.asarray(first + hour + apart * np.arange(count, dtype=float), np.float64)
-
-
-def date_of(days: float) -> dt.datetime:
-    """Moment of an epoch, days since J2000."""
-    return J2000 + dt.timedelta(days=float(days))
 
 
 def beta_angle(orbit: Orbit, days: Floats) -> Floats:

@@ -12,9 +12,9 @@ from rich.table import Table
 from rich.text import Text
 
 from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.problems.reading.dates import moment_of
 from jaxatt.records.dense_table import dense_table
 from jaxatt.runtime.arrays import Floats
-from jaxatt.studies.year_dates import date_of
 
 Row = Mapping[str, Any]
 """A date, under the names of the files; None where a number is not known."""
@@ -73,7 +73,7 @@ def year_figure(title: str, rows: Sequence[Row], days: Floats) -> Picture:
 
     days : (D,), of the rows, since J2000.  Dates that cannot be flown are marked.
     """
-    dates = [date_of(day) for day in days]
+    dates = [moment_of(day) for day in days]
     stored = any(row["least_charge_percent"] is not None for row in rows)
     figure = picture(9.0, 8.6 if stored else 6.8, title)
     column = figure.subplots(4 if stored else 3, 1, sharex=True)
@@ -112,7 +112,7 @@ def beta_figure(title: str, rows: Sequence[Row], days: Floats) -> Picture:
     """
     figure = picture(9.0, 4.6, title)
     row = figure.subplots(1, 2, sharex=True)
-    seasons = np.array([date_of(day).timetuple().tm_yday for day in days])
+    seasons = np.array([moment_of(day).timetuple().tm_yday for day in days])
     found = [_over_beta(row[0], rows, "harvests_J", 1e-3, seasons, "harvests [kJ]")]
     found.append(_over_beta(row[1], rows, "gain_J", 1.0, seasons, "gain [J]"))
     figure.colorbar(found[-1], ax=row, label="day of the year")

@@ -73,6 +73,17 @@ def test_axes_of_the_rotating_earth(published):
         assert angle(found[:, row], expected[:, row]).max() < 0.006
 
 
+def test_the_longitude_below_the_sun(published):
+    """UT1 and UTC are up to 0.004 deg apart, planets and moon move the sun by as much."""
+    position, axes = published
+    expected = np.einsum("nij,nj->ni", axes, position)
+    found = np.einsum("nij,nj->ni", earth_fixed(DAYS), sun.sun_direction(DAYS))
+    longitude = [np.rad2deg(np.arctan2(v[:, 1], v[:, 0])) for v in (found, expected)]
+    apart = (longitude[0] - longitude[1] + 180.0) % 360.0 - 180.0
+    assert np.abs(apart).max() < 0.012
+    assert np.sqrt(np.mean(apart**2)) < 0.004
+
+
 def test_rotations_are_proper_and_start_at_j2000():
     for turn in (precession(DAYS), earth_fixed(DAYS)):
         np.testing.assert_allclose(

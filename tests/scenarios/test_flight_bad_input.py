@@ -12,6 +12,7 @@ from jaxatt.scenarios import ScenarioError, replace_in_flight
 from jaxatt.spacecraft import FieldError, magnetorquers
 
 PD = {"kind": "pd", "proportional_1_s2": 1.0, "derivative_1_s": 2.0}
+SUNLIT = {"area_m2": 0.1, "reflectance": 0.5, "lever_m": [0.0, 0.0, 0.1]}
 DUMPING = {"gain_1_s": 0.015}
 
 BAD = {
@@ -41,13 +42,17 @@ BAD = {
     "duration off the sampling": ({"simulation": {"duration_s": 60.05}}, "no multiple of sampling"),
     "another hold": ({"simulation": {"hold": "first-order"}}, "allowed: zero-order"),
     "epoch after the model": (
-        {"environment": {"epoch": "2031-01-01T00:00:00Z"}},
-        "outside the years of the field model IGRF-14, 1900 to 2030",
+        {"environment": {"epoch": "2030-01-01T00:00:01Z", "eddy_coefficient": 1.0}},
+        "outside 1900-01-01 to 2030-01-01; eddy_coefficient needs the magnetic field of IGRF-14",
     ),
-    "epoch that is none": ({"environment": {"epoch": "soon"}}, 'write it as "2020-03-20T12'),
+    "epoch that is none": ({"environment": {"epoch": "soon"}}, "is no moment; write it as"),
     "dipole without an epoch": (
         {"environment": {"residual_dipole_Am2": [0.01, 0.0, 0.0]}},
-        "magnetic torques need the date",
+        "epoch: missing, and residual_dipole_Am2 needs the magnetic field of IGRF-14",
+    ),
+    "sunlight without an epoch": (
+        {"environment": {"solar_pressure": SUNLIT}},
+        "epoch: missing, and solar_pressure without sun_direction needs the sun's direction",
     ),
     "dumping without magnetorquers": (
         {"dumping": DUMPING, "vehicle": {"magnetorquers": None}},
@@ -62,6 +67,14 @@ BAD = {
     ),
     "a torque without an orbit": ({"orbit": None}, "gravity_gradient = true: needs an orbit"),
     "dipole limit": ({"vehicle": {"magnetorquers": {"dipole_limit_Am2": 0.0}}}, "greater than 0"),
+    "a law that names no folder": ({"laws": {"a/b": PD}}, "results/NAME/LAW; use at most 100"),
+    "printed that is no table": ({"printed": {"pd": 3}}, r"\[printed.pd\]: 3 is not a table"),
+    "printed for two axes": (
+        {"printed": {"pd": {"settling_s": [1.0, 2.0]}}},
+        r"\[printed.pd\] settling_s .* has 2 entries; give 3",
+    ),
+    "printed reason": ({"printed": {"pd": {"why": "?"}}}, r"\[printed.pd.why\]: .* not a table"),
+    "more steps than memory": ({"simulation": {"duration_s": 1e8}}, "steps, more than 1e[+]07"),
     "misspelt table": ({"simulatoin": {"duration_s": 1.0}}, "did you mean 'simulation'"),
 }
 
@@ -124,8 +137,9 @@ def test_a_law_that_is_not_there_and_no_runs():
     flight = short_flights.flight()
     with pytest.raises(ScenarioError, match="there are: pd"):
         simulate(flight, "lqr")
-    with pytest.raises(ValueError, match="at least 1"):
-        simulate(flight, runs=0)
+    for asked in ({"runs": 0}, {"runs": 10**30}, {"seed": -1}, {"seed": 2**31}):
+        with pytest.raises(ValueError, match=r"must be at least \d and at most"):
+            simulate(flight, **asked)
 
 
 def test_magnetorquers_are_checked():

@@ -102,7 +102,7 @@ def test_the_sun_needs_a_date_and_an_orbit():
     assert "epoch" in refusal(keep_out=sun, **{"orbit.epoch": None})
     assert "needs an orbit" in refusal(keep_out=sun, name="eseo-1")
     assert "is no moment" in refusal(keep_out=sun, **{"orbit.epoch": "midsummer"})
-    assert "1950 to 2050" in refusal(keep_out=sun, **{"orbit.epoch": "2051-01-01"})
+    assert "1950-01-01 to 2050-01-01" in refusal(keep_out=sun, **{"orbit.epoch": "2051-01-01"})
 
 
 @pytest.mark.parametrize("place", ["start", "target"])

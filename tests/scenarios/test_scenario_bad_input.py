@@ -21,6 +21,12 @@ INLINE = {
         "torque_limit_Nm": [1e-3, 1e-3, 2e-3],
     },
 }
+INLINE_TEXT = """inertia_kgm2 = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]
+[wheels]
+axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
+inertia_kgm2 = 1e-4
+torque_limit_Nm = 1e-3
+"""
 GONE = object()
 
 
@@ -78,7 +84,7 @@ def refusal(document):
         ("horizon.horizon_s", True, ["true is not a number"]),
         ("horizon.intervals", 50.0, ["whole number"]),
         ("horizon.intervals", True, ["whole number"]),
-        ("horizon.intervals", 2**40, ["less than"]),
+        ("horizon.intervals", 2**40, ["at most 100000"]),
         ("target.attitude_deg", 90.0, ["must be a list"]),
         ("target.attitude_deg", [90.0, 45.0], ["has 2 entries", "give 3 numbers"]),
         ("target.attitude_deg", [90.0, "45", 0.0], ['"45" is not a number']),
@@ -88,11 +94,26 @@ def refusal(document):
         ("windows", {"weight": 1}, ["double brackets"]),
         ("legs", {"attitude_deg": [0, 0, 0]}, ["[target] and [[legs]]"]),
         ("printed", 3, ["[printed]"]),
+        ("printed.l0", 3, ["[printed.l0]: 3 is not a table"]),
+        ("printed.l0.active_intervals", "two", ["[printed.l0] active_intervals", "not a number"]),
+        ("printed.l0.relative_sparsity_percent", 101, ["at most 100"]),
         ("name", "", ["must be a text"]),
-        ("name", "../up", ["file name"]),
+        ("name", "../up", ["folder of the output, results/NAME"]),
+        ("name", "a/b", ["letters, digits"]),
+        ("name", "x" * 101, ["at most 100"]),
         # not finite
         ("horizon.horizon_s", math.inf, ["horizon_s = inf", "finite"]),
         ("horizon.horizon_s", 10**400, ["finite"]),
+        ("horizon.horizon_s", 1e300, ["beyond 1e+09, 30 years", "seconds"]),
+        ("horizon.horizon_s", 1e-300, ["at least 1e-30"]),
+        ("initial.rate_rad_s", [0.0, 1e31, 0.0], ["beyond 1e+30"]),
+        ("horizon.substeps", 10**5, ["at most 10000"]),
+        ("solver.starts", 10**7, ["at most 1000000"]),
+        (
+            "disturbances",
+            {"sinusoidal_torque_Nm": 1e-6, "sinusoidal_frequency_rad_s": 1e6},
+            ["1.4e+06 rad in a control interval of 1.4 s", "more intervals"],
+        ),
         ("target.attitude_deg", [math.nan, 0, 0], ["finite", "degrees"]),
         ("solver.starts", math.nan, ["whole number"]),
         # ranges
@@ -164,6 +185,9 @@ def test_spacecraft_scenarios_that_are_refused(path, value, parts):
         ("inertia_kgm2", [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.3]], ["triangle inequality"]),
         ("inertia_kgm2", [[1e-4, 0, 0], [0, 1e-4, 0], [0, 0, 1e-4]], ["wheels' own inertia"]),
         ("inertia_kgm2", [[math.nan, 0, 0], [0, 0.1, 0], [0, 0, 0.1]], ["nan", "finite"]),
+        ("inertia_kgm2", [[1e308, 0, 0], [0, 1e308, 0], [0, 0, 1e308]], ["beyond 1e+30"]),
+        ("wheels.axes", [[10**400, 0, 0], [0, 1, 0], [0, 0, 1]], ["axes", "inf"]),
+        ("wheels.inertia_kgm2", 1e-31, ["at least 1e-30"]),
         ("inertia_kgm2", [["0.1", 0, 0], [0, 0.1, 0], [0, 0, 0.1]], ["real numbers"]),
         ("wheels", GONE, ["wheels: missing"]),
         ("wheels", 3, ["[vehicle.wheels]", "not a table"]),
@@ -249,6 +273,39 @@ def test_files_that_are_no_toml(tmp_path, content, part):
     with pytest.raises(ScenarioError, match=part) as caught:
         scenarios.load(path)
     assert str(caught.value).startswith(str(path))
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n"])
+@pytest.mark.parametrize(
+    ("encoding", "mark"),
+    [
+        ("utf-8", b""),
+        ("utf-8", b"\xef\xbb\xbf"),
+        ("utf-16-le", b"\xff\xfe"),
+        ("utf-16-be", b"\xfe\xff"),
+    ],
+)
+def test_files_as_windows_writes_them(tmp_path, encoding, mark, newline):
+    vehicle = f'name = "höhe"\n{INLINE_TEXT}'
+    for name, text, load in (
+        ("scenario", scenarios.text("hypso1-90-45-15"), scenarios.load),
+        ("flight", scenarios.text("hypso1-pointing"), scenarios.load_flight),
+        ("vehicle", vehicle, None),
+    ):
+        path = tmp_path / f"{name}.toml"
+        path.write_bytes(mark + text.replace("\n", newline).encode(encoding))
+        if load is not None:
+            assert load(path).document == tomllib.loads(text)
+    document = edit(SPACECRAFT, "vehicle", {"file": str(tmp_path / "vehicle.toml")})
+    document["initial"].pop("wheel_speed_rad_s")
+    assert scenarios.from_mapping(document).vehicle.name == "höhe"
+
+
+def test_utf_16_without_a_mark_is_named(tmp_path):
+    path = tmp_path / "bare.toml"
+    path.write_bytes(scenarios.text("hypso1-90-45-15").encode("utf-16-le"))
+    with pytest.raises(ScenarioError, match=r"UTF-16 without a byte order mark .* as UTF-8"):
+        scenarios.load(path)
 
 
 @pytest.mark.parametrize("name", ["missing.toml", "."])

@@ -9,9 +9,10 @@ import pytest
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
 from jaxatt.problems.net_power.dates import DatedPlan
+from jaxatt.problems.reading.dates import moment_of
 from jaxatt.scenarios import ScenarioError
 from jaxatt.studies.plan_year import Year, plan_year
-from jaxatt.studies.year_dates import beta_angle, date_of, read_dates
+from jaxatt.studies.year_dates import beta_angle, read_dates
 
 WHY = 'task 3 "harvest 2": the target rate is missed by 7 times its tolerance'
 
@@ -41,11 +42,11 @@ def year(scenario):
 def test_dates_are_at_the_hour_of_the_plan(scenario):
     days = read_dates("2022-01-01:2022-12-31", scenario)
     assert len(days) == 365
-    assert f"{date_of(days[0]):%Y-%m-%d %H:%M}" == "2022-01-01 09:31"
-    assert f"{date_of(days[-1]):%Y-%m-%d %H:%M}" == "2022-12-31 09:31"
+    assert f"{moment_of(days[0]):%Y-%m-%d %H:%M}" == "2022-01-01 09:31"
+    assert f"{moment_of(days[-1]):%Y-%m-%d %H:%M}" == "2022-12-31 09:31"
     np.testing.assert_allclose(np.diff(days), 1.0)
     weekly = read_dates("2024-02-01:2024-03-01:7", scenario)
-    assert [f"{date_of(day):%m-%d}" for day in weekly] == [
+    assert [f"{moment_of(day):%m-%d}" for day in weekly] == [
         "02-01",
         "02-08",
         "02-15",

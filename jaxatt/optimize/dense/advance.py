@@ -56,6 +56,8 @@ def advance(task: Task, s: State, seen: Look, decision: Decision, trial: Trial) 
         resets=result.resets + runaway,
         retreats=result.retreats + retreats,
         finishing=result.finishing | settles,
+        # The point that is stationary for the violation, rather than that of the least maximum.
+        closest=choose(decision.infeasible, seen.here, result.closest),
         status=status,
         iterations=s.iterations + 1,
     )

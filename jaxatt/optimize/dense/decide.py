@@ -112,7 +112,7 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
     penalty = jnp.where(runaway, more, outer.penalty)
 
     weight = jnp.where(phase == Phase.RESTORATION, 0.0, 1.0)
-    used = jnp.where(phase == Phase.RESTORATION, 1.0, penalty)
+    used = jnp.where(phase == Phase.RESTORATION, task.own_penalty, penalty)
     used = jnp.where(seen.finishing, jnp.maximum(used, _PROBING_PENALTY), used)
     held = jnp.where(seen.finishing, seen.here.multipliers, multipliers)
     return Decision(
@@ -163,8 +163,9 @@ def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) ->
 def _restoration(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Restoration:
     """Whether a restoration has ended: back to the programme, or locally infeasible."""
     violation = seen.here.residuals.violation
-    amiss = jnp.linalg.norm(violated(seen.at.rows, task.equal))
-    spread = jnp.maximum(1.0, largest(seen.at.jacobian))
+    own = 1.0 / task.scale[1:]
+    amiss = jnp.linalg.norm(violated(seen.at.rows * own, task.equal))
+    spread = jnp.maximum(1.0, largest(seen.at.jacobian * own[:, None]))
     level = reach <= 1e-9 * amiss * spread
     at_it = seen.finite & seen.restoring
     restored = at_it & (violation <= 0.1 * task.limits.tolerance)

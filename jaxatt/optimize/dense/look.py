@@ -45,7 +45,9 @@ def look(task: Task, s: State) -> tuple[State, Look]:
     restoring = s.phase == Phase.RESTORATION
     trying = s.phase == Phase.NEWTON
     weight = jnp.where(restoring, 0.0, 1.0)
-    merit = Merit(weight, s.multipliers, jnp.where(restoring, 1.0, s.penalty), task.equal)
+    merit = Merit(
+        weight, s.multipliers, jnp.where(restoring, task.own_penalty, s.penalty), task.equal
+    )
     estimate = merit.estimate(at.rows)
     tested = jnp.where(trying, s.multipliers, estimate)
     error = task.residuals(at, tested, x)

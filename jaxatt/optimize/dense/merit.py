@@ -12,9 +12,10 @@ from jaxatt.optimize.dense.functions import Local
 
 
 class Merit(NamedTuple):
-    """Augmented Lagrangian with weight () of the objective, multipliers (q,) and penalty ().
+    """Augmented Lagrangian with weight () of the objective, multipliers (q,) and penalty (q,).
 
-    equal : (q,) bool.  Weight 0, multipliers 0 and penalty 1 make it half the squared violation.
+    equal : (q,) bool.  Weight 0, multipliers 0 and penalty 1 / scale^2 make it half the squared
+    violation in the constraints' own units.
     """
 
     weight: Array
@@ -29,8 +30,8 @@ class Merit(NamedTuple):
 
     def value(self, objective: Array, rows: Array) -> Array:
         """Merit () at evaluated rows."""
-        shift = jnp.sum(self.estimate(rows) ** 2 - self.multipliers**2)
-        return self.weight * objective + shift / (2.0 * self.penalty)
+        shift = (self.estimate(rows) ** 2 - self.multipliers**2) / (2.0 * self.penalty)
+        return self.weight * objective + jnp.sum(shift)
 
     def gradient(self, at: Local, estimate: Array) -> Array:
         """Gradient (n,) of the merit, given the multiplier estimate (q,)."""

@@ -42,6 +42,11 @@ class Task:
         """Objective and constraints, stacked, (1 + q,)."""
         return self.functions.rows(x * self.unit, self.args) * self.scale
 
+    @property
+    def own_penalty(self) -> Array:
+        """Penalty (q,) that makes squared rows those of the constraints' own units."""
+        return 1.0 / self.scale[1:] ** 2
+
     def local(self, x: Array) -> Local:
         """Objective and constraints with their first derivatives."""
         rows, derivatives = self.functions.derivatives(x * self.unit, self.args)

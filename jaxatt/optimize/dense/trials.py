@@ -16,6 +16,8 @@ from jaxatt.optimize.dense.state import State
 from jaxatt.optimize.dense.task import Task
 from jaxatt.optimize.dense.trust_region import spectrum_of
 
+_LEAST_PENALTY = 1e-2
+
 
 class _Points(NamedTuple):
     """Trial points.
@@ -103,7 +105,7 @@ def _second_order(
     steepest = jnp.max(jnp.abs(jnp.diag(full)), initial=1.0)
     curved = lowest < -1e-9 * steepest
     shift = jnp.where(curved, -1.1 * lowest, 0.0)
-    most = 1.0 / merit.penalty
+    most = 1.0 / jnp.max(merit.penalty, initial=_LEAST_PENALTY)
     newton = newton_step(
         s.x,
         at,

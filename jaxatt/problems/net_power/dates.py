@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from jaxatt.environment import igrf
-from jaxatt.environment.epoch import J2000, decimal_year
+from jaxatt.environment.epoch import decimal_year
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
@@ -25,6 +24,7 @@ from jaxatt.problems.net_power.plan.hold import fly_held
 from jaxatt.problems.net_power.plan.manoeuvre import Terms, held_rate, task_manoeuvre
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.wheels.search import search_wheels
+from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.verdict import Verdict
@@ -148,7 +148,7 @@ def _satellites(scenario: Scenario, days: Floats) -> tuple[list[Satellite | None
         raise ScenarioError(f"{scenario.origin}: [orbit]: missing, and dates need one; add it")
     light = replace(satellite.light, sun=None)
     for day in days:
-        year = decimal_year(J2000 + dt.timedelta(days=float(day)))
+        year = decimal_year(moment_of(float(day)))
         try:
             field = None if satellite.orbit.field is None else igrf.at_year(year)
             orbit = replace(satellite.orbit, days=float(day), field=field)

@@ -73,7 +73,7 @@ def read_attitude(table: Table, notes: list[str]) -> Float64:
 
 
 def _from_quaternion(table: Table, notes: list[str]) -> Float64:
-    quaternion = table.vector("attitude_quaternion", 4)
+    quaternion = table.vector("attitude_quaternion", 4, scaled=True)
     # Scaling first keeps the norm of huge or tiny entries from overflowing.
     largest = float(np.abs(quaternion).max())
     if largest < 1e-12:
@@ -104,7 +104,7 @@ def _from_mrp(table: Table) -> Float64:
 
 
 def _from_axis(table: Table, notes: list[str]) -> Float64:
-    axis = table.vector("axis", 3)
+    axis = table.vector("axis", 3, scaled=True)
     if "angle_deg" in table and "angle_rad" in table:
         table.fail("angle_rad", "given beside angle_deg", "keep one of the two and drop the other")
     key = "angle_rad" if "angle_rad" in table else "angle_deg"

@@ -8,7 +8,10 @@ from typing import Any, NoReturn
 import numpy as np
 
 from jaxatt.problems.reading.schema import nearest, unit_of, unknown_key_mend
-from jaxatt.spacecraft.checks import Float64
+from jaxatt.spacecraft.checks import LARGEST, SMALLEST, Float64, as_float, brief
+
+LONGEST_S = 1e9
+"""Longest time [s] in a scenario, about 30 years."""
 
 
 class ScenarioError(ValueError):
@@ -22,7 +25,7 @@ def shown(value: Any) -> str:
     elif isinstance(value, str):
         text = f'"{value}"'
     else:
-        text = str(value)
+        text = brief(value)
     return text if len(text) <= 80 else f"{text[:77]}..."
 
 
@@ -92,6 +95,8 @@ class Table:
         result = self._finite(key, self.require(key, example))
         unit = unit_of(key)
         units = f" in {unit}" if unit else ""
+        if above == 0.0 < result < SMALLEST:
+            self.fail(key, f"must be at least {SMALLEST:g}", f"give a larger number{units}")
         if above is not None and not result > above:
             self.fail(key, f"must be greater than {above:g}", f"give a larger number{units}")
         if at_least is not None and not result >= at_least:
@@ -100,8 +105,15 @@ class Table:
             self.fail(key, f"must be at most {at_most:g}", f"give a smaller number{units}")
         return result
 
-    def integer(self, key: str, default: int | None = None, *, at_least: int = 1) -> int:
-        """Return a whole number."""
+    def integer(
+        self,
+        key: str,
+        default: int | None = None,
+        *,
+        at_least: int = 1,
+        at_most: int = 2**31 - 1,
+    ) -> int:
+        """Return a whole number; the largest is the one that compiled code can count with."""
         if key not in self.data and default is not None:
             return default
         value = self.require(key, str(max(at_least, 1)))
@@ -109,8 +121,8 @@ class Table:
             self.fail(key, "must be a whole number", "write it without quotes and decimal point")
         if value < at_least:
             self.fail(key, f"must be at least {at_least}", "give a larger whole number")
-        if value >= 2**31:
-            self.fail(key, "must be less than 2147483648", "give a smaller whole number")
+        if value > at_most:
+            self.fail(key, f"must be at most {at_most}", "give a smaller whole number")
         return int(value)
 
     def flag(self, key: str, default: bool = False) -> bool:
@@ -138,8 +150,13 @@ class Table:
             self.fail(key, "not one of the choices", f"{hint}allowed: {', '.join(options)}")
         return value
 
-    def vector(self, key: str, size: int, default: Float64 | None = None) -> Float64:
-        """Return a list of `size` finite numbers, (size,)."""
+    def vector(
+        self, key: str, size: int, default: Float64 | None = None, *, scaled: bool = False
+    ) -> Float64:
+        """Return a list of `size` finite numbers, (size,).
+
+        scaled : whether it is brought to unit length, so that its size does not matter.
+        """
         if key not in self.data and default is not None:
             return default
         value = self.require(key, str([0.0] * size))
@@ -147,21 +164,24 @@ class Table:
             self.fail(key, "must be a list", f"write {size} numbers in brackets")
         if len(value) != size:
             self.fail(key, f"has {len(value)} entries", f"give {size} numbers")
-        return np.array([self._finite(key, item) for item in value])
+        return np.array([self._finite(key, item, any_size=scaled) for item in value])
 
-    def _finite(self, key: str, value: Any) -> float:
+    def _finite(self, key: str, value: Any, *, any_size: bool = False) -> float:
         unit = unit_of(key)
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        try:
+            number = as_float(value)
+        except TypeError:
             told = f": the key says that it is in {unit}" if unit else ""
             self.fail(
                 key,
                 f"{shown(value)} is not a number",
                 f"write a plain number without quotes or unit{told}",
             )
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
+        units = f" in {unit}" if unit else ""
         if not math.isfinite(number):
-            self.fail(key, "must be finite", f"give a number{f' in {unit}' if unit else ''}")
+            self.fail(key, "must be finite", f"give a number{units}")
+        largest = LONGEST_S if unit == "seconds" else LARGEST
+        if abs(number) > largest and not any_size:
+            beyond = ", 30 years" if unit == "seconds" else ""
+            self.fail(key, f"is beyond {largest:g}{beyond}", f"give a smaller number{units}")
         return number

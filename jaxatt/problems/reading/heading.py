@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.names import read_name
+from jaxatt.problems.reading.printed import PrintedNumbers, read_printed
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES, top_level_keys
 from jaxatt.problems.scenario import SPACECRAFT, SolverSettings
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]*")
+MOST_STARTS, MOST_SEED = 1_000_000, 2**31 - 1
+"""Starts whose outcomes fit into memory, and the largest seed."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,13 @@ def read_heading(
     origin: str,
     tables: Mapping[str, tuple[str, ...]],
     required: tuple[str, ...],
+    printed: Mapping[str, PrintedNumbers] | None = None,
+    printed_rows: PrintedNumbers | None = None,
 ) -> Heading:
     """Read the heading of a document whose top level holds these tables.
 
     required : tables that must be there.
+    printed, printed_rows : what [printed] may hold that is compared, see `read_printed`.
     """
     top = Table(document, origin, "", top_level_keys({**SPACECRAFT_TABLES, **tables}))
     system = top.text("system", SPACECRAFT)
@@ -48,19 +52,14 @@ def read_heading(
                 f"{origin}: [{key}] is missing; `jaxatt scenarios show NAME` prints"
                 " a complete file to start from"
             )
-    name = top.text("name", Path(origin).stem)
-    if not _NAME.fullmatch(name):
-        top.fail("name", "must serve as a file name", "use letters, digits, '-', '_' and '.'")
-    printed = document.get("printed", {})
-    if not isinstance(printed, dict):
-        top.fail("printed", "is not a table", "write [printed] and its keys below")
+    name = read_name(top)
     return Heading(
         name,
         top.text("title", name),
         top.text("source", "not stated"),
         system,
         read_solver(document.get("solver", {}), origin),
-        printed,
+        read_printed(document.get("printed", {}), origin, printed or {}, printed_rows),
     )
 
 
@@ -68,5 +67,6 @@ def read_solver(data: Any, origin: str) -> SolverSettings:
     """Read the number of starts and the seed."""
     table = Table(data, origin, "[solver]", SPACECRAFT_TABLES["solver"])
     return SolverSettings(
-        starts=table.integer("starts", 64), seed=table.integer("seed", 0, at_least=0)
+        starts=table.integer("starts", 64, at_most=MOST_STARTS),
+        seed=table.integer("seed", 0, at_least=0),
     )

@@ -46,19 +46,20 @@ def read_targets(document: dict[str, Any], origin: str, notes: list[str]) -> tup
             "[[legs]] for successive ones"
         )
     if "legs" not in document:
-        return (_target(document.get("target"), origin, "[target]", notes),)
+        return (read_target(document.get("target"), origin, "[target]", notes),)
     phases = document["legs"]
     if not isinstance(phases, list) or not phases:
         raise ScenarioError(
             f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
         )
     return tuple(
-        _target(phase, origin, f"[[legs]] no. {index + 1}", notes)
+        read_target(phase, origin, f"[[legs]] no. {index + 1}", notes)
         for index, phase in enumerate(phases)
     )
 
 
-def _target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
+def read_target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
+    """Read one target, from a table that messages call `label`."""
     if data is None:
         raise ScenarioError(
             f"{origin}: [target] is missing; add it with attitude_deg = [phi, theta, psi]"

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from jaxatt.environment import epoch
-from jaxatt.environment.sun import FIRST_YEAR, LAST_YEAR
+from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
@@ -21,6 +20,9 @@ EARTH_RADIUS_KM = 6378.137  # equatorial, WGS 84
 _LARGEST_AXIS_KM = 1e6
 # The Earth's parameter is 3.986e14 m^3/s^2; far below it, km^3/s^2 were meant.
 _SMALLEST_PARAMETER = 1e12
+
+MOST_INTERVALS, MOST_SUBSTEPS, MOST_STEPS = 100_000, 10_000, 10_000_000
+"""Control intervals of a horizon, and Runge-Kutta steps of an interval and of all of them."""
 
 
 def read_orbit(data: Any, origin: str) -> Orbit:
@@ -57,26 +59,20 @@ def read_orbit(data: Any, origin: str) -> Orbit:
         eccentricity=eccentricity,
         inclination=math.radians(inclination),
         gravitational_parameter=parameter,
-        days=_days(table),
+        days=read_epoch(table),
         **angle,
     )
 
 
-def _days(table: Table) -> float | None:
-    if "epoch" not in table:
+_LARGEST_PHASE = 1000.0
+"""[rad] of a sinusoidal torque in a control interval."""
+
+
+def read_substeps(table: Table, intervals: int = 1) -> int | None:
+    """Read the Runge-Kutta steps of an interval; None where they are chosen automatically."""
+    if "substeps" not in table:
         return None
-    try:
-        moment = epoch.parse(table.text("epoch"))
-    except ValueError:
-        table.fail("epoch", "is no moment", 'write it as "2026-06-21T12:00:00Z"')
-    if not FIRST_YEAR <= moment.year < LAST_YEAR:
-        table.fail(
-            "epoch",
-            f"is outside the years that the formulas of the sun hold for, {FIRST_YEAR} to "
-            f"{LAST_YEAR}",
-            "give a date within",
-        )
-    return epoch.days_since_j2000(moment)
+    return table.integer("substeps", at_most=min(MOST_SUBSTEPS, MOST_STEPS // intervals))
 
 
 def read_horizon(data: Any, origin: str) -> Horizon:
@@ -91,22 +87,30 @@ def read_horizon(data: Any, origin: str) -> Horizon:
             f"outside the final times allowed, {shortest:g} to {longest:g} seconds",
             "drop it, or change shortest_s or longest_s",
         )
+    intervals = table.integer("intervals", at_most=MOST_INTERVALS)
+    coast = table.integer("coast_intervals", 20, at_least=0, at_most=MOST_INTERVALS)
     return Horizon(
         duration=duration,
-        intervals=table.integer("intervals"),
-        coast_intervals=table.integer("coast_intervals", 20, at_least=0),
-        substeps=table.integer("substeps") if "substeps" in table else None,
+        intervals=intervals,
+        coast_intervals=coast,
+        substeps=read_substeps(table, intervals + coast),
         free=free,
         shortest=shortest,
         longest=longest,
     )
 
 
-def read_disturbances(data: Any, origin: str) -> Disturbances:
+def read_disturbances(data: Any, origin: str, horizon: Horizon) -> Disturbances:
     """Read the disturbances; a negative sine amplitude is a phase of half a turn."""
     table = Table(data, origin, "[disturbances]", SPACECRAFT_TABLES["disturbances"])
-    return Disturbances(
-        gravity_gradient=table.flag("gravity_gradient"),
-        sinusoidal_torque=table.number("sinusoidal_torque_Nm", 0.0),
-        sinusoidal_frequency=table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
-    )
+    torque = table.number("sinusoidal_torque_Nm", 0.0)
+    frequency = table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0)
+    step = (horizon.longest if horizon.free else horizon.duration) / horizon.intervals
+    if torque and frequency * step > _LARGEST_PHASE:
+        table.fail(
+            "sinusoidal_frequency_rad_s",
+            f"is {frequency * step:.3g} rad in a control interval of {step:g} s, more than steps "
+            "can follow",
+            "give a lower frequency or more intervals, or leave the torque out",
+        )
+    return Disturbances(table.flag("gravity_gradient"), torque, frequency)

@@ -10,7 +10,7 @@ import numpy as np
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import VEHICLE_PARTS
 from jaxatt.spacecraft import FieldError
-from jaxatt.spacecraft.checks import Float64
+from jaxatt.spacecraft.checks import Float64, as_float
 
 Part = TypeVar("Part")
 
@@ -53,7 +53,8 @@ def rows(table: Table, key: str, what: str) -> Float64:
     given = table.require(key, "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
     if not isinstance(given, list) or not all(isinstance(r, list) and len(r) == 3 for r in given):
         table.fail(key, f"is not a list of {key}", f"give one row of three numbers for each {what}")
-    for row in given:
-        if not all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in row):
-            table.fail(key, "holds something that is no number", "give plain numbers")
-    return np.array(given, dtype=np.float64).reshape(-1, 3).T
+    try:
+        numbers = [[as_float(item) for item in row] for row in given]
+    except TypeError:
+        table.fail(key, "holds something that is no number", "give plain numbers")
+    return np.array(numbers).reshape(-1, 3).T

@@ -134,6 +134,7 @@ def _build(table: Table, notes: list[str], magnetorquers_alone: bool) -> Spacecr
             read_panels(table),
             read_battery(table),
             read_loads(table),
+            notes=notes,
         )
     except FieldError as error:
         if error.field == "torque_directions":

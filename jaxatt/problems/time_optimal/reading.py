@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target
-from jaxatt.problems.reading import manoeuvre
+from jaxatt.problems.reading import manoeuvre, settings
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
@@ -26,6 +26,8 @@ from jaxatt.spacecraft.wheels import storage_share
 TIME_KINDS = ("time-effort", "minimum-time")
 """Values of `objective.kind`."""
 
+_COMPARED = {"final_time_s": 1, "final_time_below_s": 1, "step_s": 1}
+_PRINTED = {kind: _COMPARED for kind in TIME_KINDS}
 _DEFAULT_WEIGHT = 0.01  # of the source's section 6
 _SPARSE_KEYS = (
     "design",
@@ -50,7 +52,11 @@ _ELSEWHERE = {
 
 def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"))
+    heading = read_heading(
+        document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"), _PRINTED
+    )
+    if "other_target" in heading.printed:
+        manoeuvre.read_target(heading.printed["other_target"], origin, "[printed.other_target]", [])
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
     objective = _read_objective(document["objective"], origin)
@@ -122,11 +128,12 @@ def _read_horizon(data: Any, origin: str) -> Horizon:
         if key in table:
             table.fail(key, "this objective finds the final time, and nothing follows it", mend)
     _, shortest, longest = read_final_time(table, "free")
+    intervals = table.integer("intervals", at_most=settings.MOST_INTERVALS)
     return Horizon(
         duration=longest,
-        intervals=table.integer("intervals"),
+        intervals=intervals,
         coast_intervals=0,
-        substeps=table.integer("substeps") if "substeps" in table else None,
+        substeps=settings.read_substeps(table, intervals),
         free=True,
         shortest=shortest,
         longest=longest,

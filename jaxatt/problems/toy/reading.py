@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS, check_free_time
+from jaxatt.problems.hands_off.reading.objective import PRINTED, SPARSE_KINDS, check_free_time
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading import settings
@@ -23,7 +23,7 @@ _NO_ATTITUDE = np.array([1.0, 0.0, 0.0, 0.0])
 
 def read_toy(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, TOY_TABLES, ("initial", "horizon"))
+    heading = read_heading(document, origin, TOY_TABLES, ("initial", "horizon"), PRINTED)
     objective = _read_objective(document.get("objective", {}), origin)
     horizon = settings.read_horizon(document["horizon"], origin)
     check_free_time(document, origin, horizon, objective)

@@ -13,6 +13,15 @@ from jaxatt.problems.scenario import Horizon, Objective
 SPARSE_KINDS = ("l0", "moving-l0", "l1")
 """Values of `objective.kind`; the first is the default."""
 
+_COMPARED = {
+    "active_intervals": 1,
+    "active_outside_windows": 1,
+    "relative_sparsity_percent": 1,
+    "cpu_time_nlp_s": 1,
+}
+PRINTED = {kind: _COMPARED for kind in SPARSE_KINDS}
+"""What `jaxatt compare` sets beside its own values, for each kind."""
+
 
 def read_objective(data: Any, origin: str) -> Objective:
     """Read the objective; the defaults are those of Schaanning (2021), table 5.1."""

@@ -6,10 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.hands_off.reading.objective import check_free_time, read_objective
+from jaxatt.problems.hands_off.reading.objective import PRINTED, check_free_time, read_objective
 from jaxatt.problems.hands_off.reading.valves import check_thrusters
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading.dates import SUNLIGHT, check_epoch
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.moments import moments_of
@@ -24,7 +25,9 @@ QUANTISATIONS = ("pulse-width", "interval", "none")
 
 def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"))
+    heading = read_heading(
+        document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"), PRINTED
+    )
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
     objective = read_objective(document.get("objective", {}), origin)
@@ -51,7 +54,7 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
             "the inertial frame)"
         )
     orbit = settings.read_orbit(document["orbit"], origin) if "orbit" in document else None
-    disturbances = settings.read_disturbances(document.get("disturbances", {}), origin)
+    disturbances = settings.read_disturbances(document.get("disturbances", {}), origin, horizon)
     if disturbances.gravity_gradient and orbit is None:
         raise ScenarioError(
             f"{origin}: [disturbances] gravity_gradient = true: there is no [orbit]; add one or "
@@ -79,6 +82,10 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
         folder=folder,
         pointing=read_pointing(document, origin, orbit is not None, days),
     )
+    if any(cone.frame == "sun" for cone in scenario.pointing.cones):
+        longest = horizon.longest if horizon.free else horizon.duration
+        dated = Table(document["orbit"], origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
+        check_epoch(dated, days, longest * len(targets), {SUNLIGHT: "a cone toward the sun"})
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario

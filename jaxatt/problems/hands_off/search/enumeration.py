@@ -187,7 +187,7 @@ def from_pairs(task: SparseTask, method: Method, count: int) -> tuple[Floats, Ma
     """
     weight = group_weights(task)
     places = [(int(k), int(g)) for k, g in np.argwhere(~np.isnan(weight))]
-    if math.comb(len(places), 2) > _MOST_PAIRS:
+    if not 0 < math.comb(len(places), 2) <= _MOST_PAIRS:
         return None
     groups = np.asarray(list(itertools.combinations(places, 2)), np.int64)
     u, residual, _ = try_supports(task, groups, 1.0, method)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from typing import Any
 
 import jax.numpy as jnp
@@ -11,11 +10,17 @@ import numpy as np
 from jaxatt.environment import igrf
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.eddy_currents import EddyCurrents
-from jaxatt.environment.epoch import J2000, SECONDS_PER_DAY, decimal_year
+from jaxatt.environment.epoch import decimal_year
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.problems.net_power.manoeuvre import MomentumManagement, Satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
+from jaxatt.problems.reading.dates import (
+    MAGNETIC_FIELD,
+    SUNLIGHT,
+    check_epoch,
+    moment_of,
+)
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.light import read_light
 from jaxatt.problems.scenario import Orbit
@@ -48,7 +53,16 @@ def read_satellite(
     torques, gradient = _disturbances(document.get("disturbances", {}), origin, orbit)
     momentum, decided = _magnetorquing(document.get("magnetorquing", {}), origin, craft, orbit)
     magnetic = torques.magnetic or momentum is not None or decided or not craft.wheels.count
-    task = None if orbit is None else _orbit_task(origin, orbit, magnetic, horizon)
+    task = None
+    if orbit is not None:
+        needs = {}
+        if magnetic:
+            needs[MAGNETIC_FIELD] = "a magnetic torque"
+        if light.sun is None:
+            needs[SUNLIGHT] = "[light] without sun_inertial"
+        dated = Table(document["orbit"], origin, "[orbit]", NET_POWER_TABLES["orbit"])
+        check_epoch(dated, orbit.days, horizon, needs)
+        task = _orbit_task(orbit, magnetic)
     return Satellite(
         craft=craft,
         light=light,
@@ -61,33 +75,15 @@ def read_satellite(
     )
 
 
-def _orbit_task(origin: str, orbit: Orbit, magnetic: bool, horizon: float) -> OrbitTask:
+def _orbit_task(orbit: Orbit, magnetic: bool) -> OrbitTask:
     """Orbit with the field at its epoch, where anything magnetic acts."""
-    field = None
-    if magnetic:
-        if orbit.days is None:
-            raise ScenarioError(
-                f"{origin}: [orbit] epoch: missing, and the magnetic field depends on the date; "
-                'add epoch = "2023-03-14T09:31:11Z"'
-            )
-        last = _year(orbit.days + horizon / SECONDS_PER_DAY)
-        if not igrf.FIRST_YEAR <= last <= igrf.LAST_YEAR:
-            raise ScenarioError(
-                f"{origin}: [orbit] epoch: the year {last:.2f} is outside IGRF-14, which covers "
-                f"{igrf.FIRST_YEAR:.0f} to {igrf.LAST_YEAR:.0f}; give a date within, or leave the "
-                "magnetic torques out"
-            )
-        field = igrf.at_year(_year(orbit.days))
+    days = 0.0 if orbit.days is None else orbit.days
     return OrbitTask(
         elements=elements_of(orbit),
         mu=orbit.gravitational_parameter,
-        days=0.0 if orbit.days is None else orbit.days,
-        field=field,
+        days=days,
+        field=igrf.at_year(decimal_year(moment_of(days))) if magnetic else None,
     )
-
-
-def _year(days: float) -> float:
-    return decimal_year(J2000 + dt.timedelta(days=days))
 
 
 def _disturbances(data: Any, origin: str, orbit: Orbit | None) -> tuple[ExternalTorques, bool]:

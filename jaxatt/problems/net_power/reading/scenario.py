@@ -13,16 +13,17 @@ from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.net_power.options import NetPowerOptions
 from jaxatt.problems.net_power.orbit_frame import inertial_pose
 from jaxatt.problems.net_power.plan.reading.plan import improved_jointly, read_tasks
-from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS
+from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, LONGEST_MANOEUVRE_S
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.reading.objective import read_baseline, read_objective
+from jaxatt.problems.net_power.reading.printed import PRINTED_ROWS, check_printed_totals
 from jaxatt.problems.net_power.reading.satellite import read_satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
-from jaxatt.problems.reading.settings import read_orbit
+from jaxatt.problems.reading.settings import MOST_INTERVALS, read_orbit, read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Horizon, Orbit, Scenario
 from jaxatt.runtime.arrays import Floats
@@ -33,7 +34,10 @@ _FRAMES = ("inertial", "orbit")
 
 def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, NET_POWER_TABLES, ("vehicle", "initial"))
+    heading = read_heading(
+        document, origin, NET_POWER_TABLES, ("vehicle", "initial"), printed_rows=PRINTED_ROWS
+    )
+    check_printed_totals(heading.printed, origin)
     notes: list[str] = []
     craft = read_vehicle(document["vehicle"], origin, folder, notes, magnetorquers_alone=True)
     orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
@@ -123,11 +127,17 @@ def _horizon(document: dict[str, Any], origin: str) -> Horizon:
     if free and not math.isfinite(longest):
         table.fail("longest_s", "missing", "give the longest final time, e.g. longest_s = 6000.0")
     default = longest if free else None
+    duration = table.number(
+        "horizon_s", default, above=0.0, at_most=LONGEST_MANOEUVRE_S, example="40.0"
+    )
+    if free:
+        table.number("longest_s", at_most=LONGEST_MANOEUVRE_S)
+    intervals = table.integer("intervals", at_most=MOST_INTERVALS)
     return Horizon(
-        duration=table.number("horizon_s", default, above=0.0, example="40.0"),
-        intervals=table.integer("intervals"),
+        duration=duration,
+        intervals=intervals,
         coast_intervals=0,
-        substeps=table.integer("substeps") if "substeps" in table else None,
+        substeps=read_substeps(table, intervals),
         free=free,
         shortest=shortest,
         longest=longest,
@@ -140,8 +150,7 @@ def _plan_horizon(document: dict[str, Any], origin: str) -> Horizon:
     for key in table.data:
         if key not in HORIZON_KEYS:
             table.fail(key, "the tasks have their own lengths", "drop it, or give step_s")
-    substeps = table.integer("substeps") if "substeps" in table else None
-    return Horizon(duration=0.0, intervals=0, coast_intervals=0, substeps=substeps)
+    return Horizon(duration=0.0, intervals=0, coast_intervals=0, substeps=read_substeps(table))
 
 
 def _frame(table: Table, orbit: Orbit | None) -> str:

@@ -31,3 +31,6 @@ PLAN_KEYS = ("least_elevation_deg", "joint")
 
 HORIZON_KEYS = ("horizon_s", "step_s", "substeps")
 """Keys of [horizon] that a plan has."""
+
+LONGEST_MANOEUVRE_S = 1e6
+"""Longest task or manoeuvre: light and field are tabulated along all of it, for its fine flight."""

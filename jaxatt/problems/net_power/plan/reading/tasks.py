@@ -24,6 +24,7 @@ from jaxatt.problems.net_power.pose import Pose, product
 from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+from jaxatt.problems.reading.settings import MOST_INTERVALS
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -83,8 +84,14 @@ def _intervals(table: Table, duration: float, step: float, notes: list[str]) -> 
     if "intervals" in table:
         if "step_s" in table:
             table.fail("step_s", "given beside intervals", "keep one of the two")
-        return table.integer("intervals")
+        return table.integer("intervals", at_most=MOST_INTERVALS)
     wanted = duration / table.number("step_s", step, above=0.0)
+    if wanted > MOST_INTERVALS:
+        table.fail(
+            "step_s",
+            f"the task takes {duration:g} s, more than {MOST_INTERVALS} intervals",
+            "give longer intervals, or a shorter task",
+        )
     count = max(1, math.ceil(wanted - _WHOLE))
     if abs(wanted - count) > _WHOLE * count:
         notes.append(f"{table.label}: intervals of {duration / count:.6g} s fit its duration")

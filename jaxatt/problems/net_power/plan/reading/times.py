@@ -7,6 +7,7 @@ import math
 from typing import NoReturn
 
 from jaxatt.environment.epoch import J2000, SECONDS_PER_DAY, parse
+from jaxatt.problems.net_power.plan.reading.schema import LONGEST_MANOEUVRE_S
 from jaxatt.problems.reading.fields import Table
 
 _CLOCK = 'write a time of day in UTC such as "09:31:11", or a date with it'
@@ -34,6 +35,13 @@ def read_span(table: Table, before: float, days: float | None) -> tuple[float, f
     key = "end" if "end" in table else "end_s"
     if not end > start:
         table.fail(key, f"is not after the task's start at {start:g} s", "give a later end")
+    if end - start > LONGEST_MANOEUVRE_S:
+        key = "duration_s" if "duration_s" in table else key
+        table.fail(
+            key,
+            f"the task takes {end - start:g} s, more than {LONGEST_MANOEUVRE_S:g}",
+            "end it earlier, or divide it into several",
+        )
     return start, end
 
 

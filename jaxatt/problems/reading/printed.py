@@ -1,0 +1,61 @@
+"""Read the table [printed]: what the source prints, to be set beside the package's own values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.schema import unit_of
+
+PrintedNumbers = Mapping[str, int]
+"""Name of a value -> how many numbers it has."""
+
+
+def read_printed(
+    data: Any,
+    origin: str,
+    blocks: Mapping[str, PrintedNumbers],
+    rows: PrintedNumbers | None = None,
+    label: str = "[printed]",
+) -> Mapping[str, Any]:
+    """Check what is compared; whatever else the table holds is for the reader of the file.
+
+    blocks : name of a table in [printed], such as an objective, -> its numbers.
+    rows : numbers of each of the [[printed.rows]], which have a label; None where rows are free.
+    label : what messages call the table.
+    Raises `ScenarioError`.
+    """
+    top = _table(data, origin, label)
+    for name, numbers in blocks.items():
+        if name in top:
+            _check(_table(top.data[name], origin, f"{label[:-1]}.{name}]"), numbers)
+    if rows is not None and "rows" in top:
+        listed = top.data["rows"]
+        if not isinstance(listed, list):
+            raise ScenarioError(
+                f"{origin}: [printed] rows: must be a list of tables; write [[printed.rows]] with "
+                "double brackets"
+            )
+        for index, item in enumerate(listed):
+            row = _table(item, origin, f"[[printed.rows]] no. {index + 1}")
+            row.text("label")
+            _check(row, rows)
+    return top.data
+
+
+def _table(data: Any, origin: str, label: str) -> Table:
+    """A table that may hold any key."""
+    return Table(data, origin, label, tuple(data) if isinstance(data, dict) else ())
+
+
+def _check(table: Table, numbers: PrintedNumbers) -> None:
+    for name, count in numbers.items():
+        if name not in table:
+            continue
+        if count > 1:
+            table.vector(name, count)
+        elif unit_of(name) == "percent":
+            table.number(name, at_least=0.0, at_most=100.0)
+        else:
+            table.number(name)
