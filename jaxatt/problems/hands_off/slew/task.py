@@ -14,6 +14,7 @@ from jax import Array
 
 from jaxatt.attitude import errors
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
+from jaxatt.problems.coasting import needed_substeps
 from jaxatt.problems.hands_off.printed_cost import partly_open, support_cost
 from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew_parameters
 from jaxatt.problems.hands_off.slew.model import SlewForm
@@ -25,7 +26,6 @@ from jaxatt.problems.manoeuvre import (
     InitialState,
     Target,
     Waypoint,
-    automatic_substeps,
     long_way_probability,
 )
 from jaxatt.problems.pointing.case import FREE, Pointing
@@ -101,7 +101,9 @@ class SlewTask(SparseTask):
         self.craft, self.initial_state, self.target, self.goal = craft, initial_state, target, goal
         self.grid, self.waypoint, self.axes = grid, waypoint, axes
         self.intervals, self.step = grid.intervals, grid.step
-        substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
+        substeps = grid.substeps or needed_substeps(
+            craft, initial_state, target, surroundings, grid.step, grid.intervals
+        )
         fine = substeps * int(np.ceil(MINIMUM_SUBSTEPS / substeps))
         self.table = tabulate(
             surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
