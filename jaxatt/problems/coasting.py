@@ -23,12 +23,19 @@ def needed_substeps(
     step: float,
     intervals: int,
 ) -> int:
-    """RK4 steps an interval of `step` [s], for a known torque and for what turns.
-
-    The error of steps is measured on three motions without torque (`steps_needed`): the one that
-    the manoeuvre begins with, and turns to the target at constant rates, both ways round.
-    """
+    """RK4 steps an interval of `step` [s], for a known torque and for what turns."""
     known = automatic_substeps(step, surroundings)
+    return max(known, coasting_substeps(craft, initial_state, target, step, intervals))
+
+
+def coasting_substeps(
+    craft: Spacecraft, initial_state: InitialState, target: Target, step: float, intervals: int
+) -> int:
+    """RK4 steps an interval of `step` [s], for what turns.
+
+    Their error is measured on three motions without torque (`steps_needed`): the one that the
+    manoeuvre begins with, and turns to the target at constant rates, both ways round.
+    """
     rate = coasting_rates(initial_state, target, step * intervals)
     inertia, wheels = np.asarray(craft.inertia), craft.wheels
     stored = np.asarray(wheels.axes) @ (np.asarray(wheels.inertia) * initial_state.omega_bw)
@@ -38,7 +45,7 @@ def needed_substeps(
         momentum = np.broadcast_to(momentum[:1], momentum.shape)
     within = (_SHARE * target.attitude_tolerance, _SHARE * target.rate_tolerance)
     body = np.asarray(craft.inertia_without_spin)
-    return max(known, steps_needed(body, rate, momentum, step, intervals, within))
+    return steps_needed(body, rate, momentum, step, intervals, within)
 
 
 def coasting_rates(initial_state: InitialState, target: Target, duration: float) -> Floats:

@@ -18,7 +18,7 @@ _MEASURED = 20
 """Intervals that are integrated; over more of them errors are taken to add up alike."""
 _MOST = 128
 _ORDER = 4
-_ROUNDS = 6
+_ROUNDS = 8
 
 
 def steps_needed(
@@ -35,11 +35,9 @@ def steps_needed(
     total, at the start of each motion in body axes.  step : [s], an interval.
     tolerance : errors of attitude [rad] and rate [rad/s] that are allowed after all intervals.
     """
-    inverse = np.linalg.inv(inertia_without_spin)
+    inverse = np.asarray(np.linalg.inv(inertia_without_spin), float)
     count = min(intervals, _MEASURED)
-    begin = np.concatenate(
-        [np.tile([1.0, 0.0, 0.0, 0.0], (len(rate), 1)), rate, momentum], axis=1
-    )
+    begin = np.concatenate([np.tile([1.0, 0.0, 0.0, 0.0], (len(rate), 1)), rate, momentum], axis=1)
     steps = 1
     coarse = _ended(begin, inverse, step, count, steps)
     for _ in range(_ROUNDS):

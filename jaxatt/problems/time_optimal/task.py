@@ -40,14 +40,15 @@ class TimeGoal:
     """Objective and transcription of a reorientation.
 
     effort_weight : rho [1/(N m)^2]; 0 for the least time.
-    attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".  substeps : an interval.
+    attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".
+    substeps : an interval; None where their number follows from what turns.
     shortest, longest : [s], limits of the final time.
     """
 
     effort_weight: float
     attitude: str = "quaternion"
     integration: str = "rk4"
-    substeps: int = 1
+    substeps: int | None = None
     shortest: float = 0.0
     longest: float = np.inf
 
@@ -115,7 +116,7 @@ class ReorientationTask:
                 goal.attitude,
                 goal.integration,
                 "own" if not wheels.count else self._momentum_form(momentum),
-                goal.substeps,
+                goal.substeps or 1,
                 _LARGEST_MRP,
             ),
             shortest_limited=goal.shortest > 0.0,
@@ -167,6 +168,18 @@ class ReorientationTask:
             speed_limit=jnp.asarray(wheels.speed_limit),
         )
 
+    @property
+    def measures_substeps(self) -> bool:
+        """Whether the number of steps an interval is free; Euler steps stay as they are printed."""
+        return self.goal.substeps is None and self.goal.integration == "rk4"
+
+    def with_substeps(self, substeps: int) -> ReorientationTask:
+        """The same turn with so many steps of the integration an interval."""
+        other = copy.copy(self)
+        other.form = replace(self.form, body=replace(self.form.body, substeps=substeps))
+        other.program = reorientation(other.form, self.actuation.size)
+        return other
+
     def weighing(self, effort_weight: float) -> ReorientationTask:
         """The same turn with another weight of effort, rho [1/(N m)^2]."""
         other = copy.copy(self)
@@ -196,6 +209,12 @@ class ReorientationTask:
         if self.form.body.attitude == "mrp":
             return np.asarray(mrp.from_quaternion(end, short=False))
         return end
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the body turns at the start or the target, or its wheels store momentum."""
+        rates = np.concatenate([self.initial_state.omega_ob, self.target.omega_ob])
+        return bool(np.any(rates != 0.0) or np.linalg.norm(self.momentum) > _AT_REST)
 
     @property
     def at_target(self) -> bool:

@@ -25,6 +25,7 @@ from jaxatt.problems.net_power.magnetic.derivatives import StageDerivatives
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
 
+
 @functools.cache
 def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
     """Programme of `MagneticParameters`."""
