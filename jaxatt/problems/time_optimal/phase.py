@@ -18,6 +18,8 @@ from jaxatt.problems.time_optimal.search import FreeTimeFound
 from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.switches import switch_times
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
+from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
 from jaxatt.records.phase import Phase
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
@@ -105,7 +107,12 @@ def time_record(
         reached=reached,
         failure_reason=""
         if reached
-        else failure_reason(verdict, Status(int(found.status[best])), pointing),
+        else failure_reason(
+            verdict,
+            Status(int(found.status[best])),
+            pointing,
+            broken_margins=_broken_speeds(task, found),
+        ),
         active=active[best].any(axis=1),
         starts=StartsRecord(
             status=found.status,
@@ -136,6 +143,17 @@ def time_record(
         ),
     )
     return record, flown_end(flown, count)
+
+
+def _broken_speeds(task: ReorientationTask, found: FreeTimeFound) -> list[str]:
+    """Words on the wheels that the best answer turns too fast."""
+    if not task.form.speed_limited:
+        return []
+    torque, step = found.controls[found.best][None], found.step[found.best][None]
+    flown = task.fly(torque, step, between=MINIMUM_SUBSTEPS)
+    wheels = task.craft.wheels
+    excess = speed_excess(wheels, flown.omega_bw)[0]
+    return broken_speeds(wheels, excess, Verdict.MARGIN_TOLERANCE)
 
 
 def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:

@@ -24,6 +24,7 @@ from jaxatt.problems.time_optimal.paths import Paths
 from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -161,18 +162,27 @@ def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, f
 def _between_nodes(
     task: ReorientationTask, paths: Paths, found: FreeTimeFound, report: Report | None
 ) -> FreeTimeFound:
-    """Tighten cones and rates that the best answer violates between nodes; solve again."""
-    for _ in range(_MOST_TIGHTENINGS if task.pointing else 0):
+    """Tighten limits on the way that the best answer violates between nodes; solve again."""
+    limited = bool(task.pointing) or task.form.speed_limited
+    slower = np.zeros(task.craft.wheels.count)
+    for _ in range(_MOST_TIGHTENINGS if limited else 0):
         ended = np.flatnonzero(found.status == Status.CONVERGED)
         if not len(ended):
             return found
         index = int(ended[np.argmin(found.cost[ended])])
         torque, step = found.controls[index : index + 1], found.step[index : index + 1]
-        excess = task.watch(task.fly(torque, step, between=_between(task))).excess[0]
-        if found.verdict.reached[index] or not excess.max() > 0.0:
+        flown = task.fly(torque, step, between=_between(task))
+        excess = task.watch(flown).excess[0]
+        over = speed_excess(task.craft.wheels, flown.omega_bw)[0]
+        if found.verdict.reached[index] or not max(excess.max(), over.max(initial=0.0)) > 0.0:
             return found
         constraint_margin = found.constraint_margin + _TIGHTER * np.maximum(excess, 0.0)
-        stricter = replace(task.parameters, limits=task.limits(constraint_margin))
+        slower = slower + _TIGHTER * np.maximum(over, 0.0)
+        stricter = replace(
+            task.parameters,
+            limits=task.limits(constraint_margin),
+            speed_limit=jnp.asarray(task.speed_limits(slower)),
+        )
         again = evaluate(task, paths, solve_paths(task, paths, None, stricter, report))
         found = replace(again, constraint_margin=constraint_margin)
     return found

@@ -21,6 +21,7 @@ from jaxatt.problems.time_optimal.actuation import actuation
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
@@ -191,6 +192,15 @@ class ReorientationTask:
         """Cones and rates for the solver, tightened by the margin; see `Pointing.path`."""
         return self.pointing.path(self.directions[None], constraint_margin).limits
 
+    def speed_limits(self, slower: Floats) -> Floats:
+        """Speed limits (n,) [rad/s] of the wheels, lower by the shares `slower` (n,).
+
+        Not lower than a wheel turns at the start, which nothing changes.
+        """
+        limit = np.asarray(self.craft.wheels.speed_limit)
+        first = np.minimum(np.abs(np.asarray(self.initial_state.omega_bw)), limit)
+        return np.maximum(limit * (1.0 - slower), first)
+
     def turn(self, sign: float) -> Floats:
         """MRP (3,) of the target relative to the start, the short (1) or the long way (-1)."""
         begin, end = np.asarray(self.initial_state.q_ob), np.asarray(self.target.q_ob)
@@ -279,8 +289,7 @@ class ReorientationTask:
             axis=-1,
         )
         worst = [np.zeros(len(q))]
-        speed = np.abs(np.asarray(flown.omega_bw)) / np.asarray(wheels.speed_limit) - 1.0
-        worst.append(speed.max(axis=(1, 2), initial=-1.0))
+        worst.append(speed_excess(wheels, flown.omega_bw).max(axis=1, initial=-1.0))
         if self.pointing:
             worst.append(self.watch(flown).violation)
         return Verdict(

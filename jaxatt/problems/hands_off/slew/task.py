@@ -31,6 +31,7 @@ from jaxatt.problems.manoeuvre import (
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.watch import ObservedPath, PathMonitor
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import CHUNK, in_chunks
 from jaxatt.runtime.compilation import Routine
@@ -303,12 +304,12 @@ class SlewTask(SparseTask):
         path = np.zeros(len(controls))
         if self.watches:
             path = self.watch(flown).violation
-        speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
+        speed = speed_excess(wheels, flown.omega_bw[:, : end + 1]).max(axis=1, initial=0.0)
         return Verdict(
             found,
             tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2))),
-            np.maximum(path, speed.max(axis=(1, 2), initial=0.0) * self.judges_path),
+            np.maximum(path, speed * self.judges_path),
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
