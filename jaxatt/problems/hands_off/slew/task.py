@@ -19,6 +19,7 @@ from jaxatt.problems.hands_off.printed_cost import partly_open, support_cost
 from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew_parameters
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.hands_off.slew.mounting import mounting
+from jaxatt.problems.hands_off.slew.moving_starts import moving_starts
 from jaxatt.problems.hands_off.slew.system import slew_system
 from jaxatt.problems.hands_off.task import Goal, SparseTask
 from jaxatt.problems.manoeuvre import (
@@ -349,6 +350,18 @@ class SlewTask(SparseTask):
                 controls, self.thrust(controls), limit, self.goal
             )
         return parts
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the wheels' momentum or a rate at either end turns the body far."""
+        rates = np.stack([self.initial_state.omega_ob, self.target.omega_ob])
+        turned = float(np.linalg.norm(rates, axis=1).max()) * self.intervals * self.step
+        far = self.form.gyroscopic or turned > _SMALL_GYROSCOPIC_TURN
+        return far and not self.form.has_thrusters
+
+    def moving_starts(self, count: int, seed: int) -> tuple[Floats, Floats]:
+        """See `SparseTask.moving_starts`."""
+        return moving_starts(self.craft, self.mounting, self.arguments.plant, count, seed)
 
     def long_way_probability(self) -> float:
         """See `jaxatt.problems.manoeuvre.long_way_probability`."""
