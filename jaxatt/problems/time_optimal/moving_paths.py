@@ -19,6 +19,8 @@ from jaxatt.runtime.arrays import Floats
 _LEAST_PART = 0.2
 """Of the time, in which a start may brake or speed up."""
 _SPREAD = 0.1
+_NEARLY = 1.5
+"""Times the least torque of any time, in units of the limits, that is about as near."""
 _TIMES = np.geomspace(0.05, 20.0, 60)
 """Times that are tried, in units of a crude one."""
 
@@ -63,8 +65,8 @@ def _allocation(task: ReorientationTask) -> Floats:
 def _long_enough(task: ReorientationTask, ends: Ends, shape: Shapes) -> Floats:
     """Shortest times (S,) [s] tried at which the torques stay within their limits.
 
-    Where they never do, as where a fast spin meets much stored momentum, those at which they come
-    nearest.
+    Where they never do, as where a spin meets stored momentum at either end, the shortest at which
+    they come about as near as they get: more time only adds more of the same.
     """
     a, allocation = task.actuation, _allocation(task)
     most = np.maximum(np.abs(a.lower), a.upper)
@@ -74,12 +76,11 @@ def _long_enough(task: ReorientationTask, ends: Ends, shape: Shapes) -> Floats:
     carried = float(np.linalg.norm(task.momentum))
     crude = 2.0 * np.sqrt(np.pi * inertia / weakest) + (spun + np.pi * carried) / weakest
     count = len(shape.brake)
-    chosen, least = np.full(count, crude), np.full(count, np.inf)
-    for time in crude * _TIMES:
+    most_used = np.full((len(_TIMES), count), np.inf)
+    for i, time in enumerate(crude * _TIMES):
         torque = follow(ends, shape, np.full(count, time), task.intervals).torque
-        over = np.maximum(1.0, (np.abs(torque @ allocation.T) / most).max(axis=(1, 2)))
-        nearer = over < 0.999 * least
-        chosen, least = np.where(nearer, time, chosen), np.where(nearer, over, least)
-        if (least <= 1.0).all():
+        most_used[i] = (np.abs(torque @ allocation.T) / most).max(axis=(1, 2))
+        if (most_used.min(axis=0) <= 1.0).all():
             break
-    return chosen
+    allowed = np.maximum(1.0, _NEARLY * most_used.min(axis=0))
+    return np.asarray(crude * _TIMES[np.argmax(most_used <= allowed, axis=0)])
