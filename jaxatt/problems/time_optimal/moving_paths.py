@@ -21,7 +21,7 @@ _LEAST_PART = 0.2
 _SPREAD = 0.1
 _NEARLY = 1.5
 """Times the least torque of any time, in units of the limits, that is about as near."""
-_TIMES = np.geomspace(0.05, 20.0, 60)
+_TIMES = np.geomspace(0.05, 2.0, 40)
 """Times that are tried, in units of a crude one."""
 
 

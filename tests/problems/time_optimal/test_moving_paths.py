@@ -89,3 +89,45 @@ def test_a_spin_is_braked_on_the_way():
     found = search_free_time(task, 6, 0)
     assert found.reached[found.best]
     assert 3.0 < task.intervals * found.step[found.best] < 3.9
+
+
+def any_turn(rng):
+    """A vehicle of 1 to 500 kg, rates up to 10 deg/s at both ends, wheels half full."""
+
+    def rate():
+        return np.radians(rng.uniform(0.0, 10.0)) * random_vehicles.unit(rng, 3)
+
+    mass = 10.0 ** rng.uniform(0.0, np.log10(500.0))
+    inertia = random_vehicles.inertia(rng, mass * (0.1 * mass ** (1.0 / 3.0)) ** 2 / 6.0)
+    capacity = 2.0 * np.linalg.eigvalsh(inertia).max() * np.radians(10.0)
+    wheels = {
+        "axes": np.eye(3).tolist(),
+        "inertia_kgm2": capacity / 600.0,
+        "torque_limit_Nm": capacity / rng.uniform(10.0, 60.0),
+    }
+    return scenarios.from_mapping(
+        {
+            "name": "any-turn",
+            "vehicle": {"inertia_kgm2": (0.5 * (inertia + inertia.T)).tolist(), "wheels": wheels},
+            "initial": {
+                "attitude_deg": rng.uniform(-180.0, 180.0, 3).tolist(),
+                "rate_rad_s": rate().tolist(),
+                "wheel_speed_rad_s": rng.uniform(-300.0, 300.0, 3).tolist(),
+            },
+            "target": {
+                "attitude_deg": rng.uniform(-80.0, 80.0, 3).tolist(),
+                "rate_rad_s": rate().tolist(),
+            },
+            "horizon": {"intervals": 40, "substeps": 6},
+            "objective": {"kind": "minimum-time"},
+        }
+    )
+
+
+@pytest.mark.slow
+def test_turns_of_any_vehicle_are_found():
+    rng = np.random.default_rng(7)
+    for _ in range(25):
+        found = search_free_time(build_time_task(any_turn(rng)), 16, 0)
+        assert found.reached[found.best]
+        assert found.reached.sum() >= 8
