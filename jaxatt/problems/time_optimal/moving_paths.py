@@ -80,7 +80,5 @@ def _long_enough(task: ReorientationTask, ends: Ends, shape: Shapes) -> Floats:
     for i, time in enumerate(crude * _TIMES):
         torque = follow(ends, shape, np.full(count, time), task.intervals).torque
         most_used[i] = (np.abs(torque @ allocation.T) / most).max(axis=(1, 2))
-        if (most_used.min(axis=0) <= 1.0).all():
-            break
     allowed = np.maximum(1.0, _NEARLY * most_used.min(axis=0))
     return np.asarray(crude * _TIMES[np.argmax(most_used <= allowed, axis=0)])
