@@ -73,17 +73,25 @@ class CondensedReweighting(Solver):
             self.settings, state.course, state.u, program.importance(args), program.shared
         )
         support, weights = weighted.course.support, weighted.weights
+        before, gradual = state.u * support, self.settings.gradual
+        if gradual is not None:
+            near = jnp.maximum(_nearness(program, before, args), _NOTHING)
+            level = jnp.minimum(1.0, (gradual.level / near) ** 2)
+            weights = weights * jnp.where(weighted.deciding, level, 1.0)[:, None]
         loose = jnp.where(state.held[:, None], 0.0, support)
         found = program.linearise(args)(
-            state.u * support, weights * loose, state.u * loose, ~weighted.deciding
+            before, weights * loose, state.u * loose, ~weighted.deciding
         )
         diagonal = jnp.stack([found.matrix[k, k] for k in range(size)])
         slack = jnp.where(hard, _DAMPING * diagonal, 1.0 / row_weight) + _NOTHING
         matrix = found.matrix + slack[:, None] * jnp.eye(size, dtype=state.u.dtype)
         fresh = weights * found.pullback(solve_spd(matrix, found.reached - found.rows))
-        assert program.limits is not None
-        relative = (jnp.abs(total(fresh * row[None])) for row in program.limits(args))
-        over = functools.reduce(jnp.maximum, relative)
+        if gradual is not None:
+            most = gradual.reach * jnp.sum(jnp.abs(before))
+            changed = jnp.maximum(jnp.sum(jnp.abs(fresh - before)), _NOTHING)
+            share = jnp.minimum(gradual.share, most / changed)
+            fresh = jnp.where(weighted.deciding, before + share * (fresh - before), fresh)
+        over = _nearness(program, fresh, args)
         return _State(
             weighted.course,
             fresh / jnp.maximum(1.0, over)[:, None],
@@ -98,3 +106,10 @@ class CondensedReweighting(Solver):
     def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
         """Result with residual and saturation of the last step."""
         return SparseRoot(state.u, state.course.support, state.residual, jnp.any(state.held))
+
+
+def _nearness(program: RootProgram, u: Array, args: Any) -> Array:
+    """Controls (N, b) in units of the limits that they come nearest to, (N,)."""
+    assert program.limits is not None
+    relative = (jnp.abs(total(u * row[None])) for row in program.limits(args))
+    return functools.reduce(jnp.maximum, relative)

@@ -26,6 +26,21 @@ SUPPORT_THRESHOLD = 1e-3
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
+class Gradual:
+    """Settings of supports that are decided by small steps from the start's own controls.
+
+    share : of a step, the most that is taken.  reach : most change of the controls in one, in units
+    of what they sum to.  level : share of a limit from which more of a control makes it no cheaper,
+    so that what must be large is spread over neighbours before a limit binds.
+    """
+
+    share: float = 0.2
+    reach: float = 0.1
+    level: float = 0.5
+
+
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
 class Reweighting:
     """Settings; all are traced, so changing one does not recompile.
 
@@ -35,6 +50,8 @@ class Reweighting:
     spreading : the first s on a given support, where it is larger; it spreads the torque evenly,
         which finds a way if any, and shrinks by the same factor.
     effort : what a unit of effort costs while settling, in units of the soft rows' cost.
+    gradual : how supports are decided from starts that nearly satisfy rows that bend much; the
+        first step begins without control where there is none.
     """
 
     deciding: int = 14
@@ -44,6 +61,7 @@ class Reweighting:
     settled_smoothing: float = 1e-3
     spreading: float = 0.0
     effort: float = 1.0
+    gradual: Gradual | None = None
 
 
 class SparseRoot(NamedTuple):
@@ -91,8 +109,11 @@ def begin(settings: Reweighting, start: Array, free: Array) -> tuple[Course, Arr
     """Course of a start (N, b), and the controls (N, b) before the first step.
 
     The pattern of the start is what makes it differ from another: the first weights come from it,
-    but the first step begins at rest.  Where the support is given, the start is the first controls.
+    but the first step begins at rest.  Where the support is given, or decided gradually, the start
+    is the first controls.
     """
+    if settings.gradual is not None:
+        return Course(jnp.asarray(0), start, free), start * free
     first = jnp.where(settings.deciding > 0, 0.0, start * free)
     return Course(jnp.asarray(0), start, free), first
 

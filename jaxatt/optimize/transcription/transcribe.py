@@ -239,12 +239,12 @@ def _within(values: Array, lower: Floats, upper: Floats) -> Array:
 
 
 def _within_time(final: Array, shortest: float, longest: float) -> Array:
-    """Margins to the limits of the final time, as shares of them."""
+    """Margins to the limits of the final time, of its logarithm: linear in what is decided."""
     rows = []
     if shortest > 0.0:
-        rows.append(final / shortest - 1.0)
+        rows.append(jnp.log(final) - np.log(shortest))
     if np.isfinite(longest):
-        rows.append(1.0 - final / longest)
+        rows.append(np.log(longest) - jnp.log(final))
     return jnp.stack(rows) if rows else jnp.zeros((0,), final.dtype)
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from jaxatt.problems.coasting import needed_substeps
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Goal, Weights
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_weights
-from jaxatt.problems.manoeuvre import Grid, InitialState, automatic_substeps
+from jaxatt.problems.manoeuvre import Grid, InitialState
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.surroundings import surroundings_of
 
@@ -49,7 +50,14 @@ def build_slew(
     surroundings, substeps = surroundings_of(scenario), horizon.substeps
     if horizon.free and substeps is None:
         # As many as the longest interval needs: with the same number everywhere nothing recompiles.
-        substeps = automatic_substeps(horizon.longest / horizon.intervals, surroundings)
+        substeps = needed_substeps(
+            scenario.vehicle,
+            initial_state or scenario.initial,
+            target,
+            surroundings,
+            horizon.longest / horizon.intervals,
+            horizon.intervals,
+        )
     moving = goal.kind == "moving-l0"
     return SlewTask(
         craft=scenario.vehicle,

@@ -20,8 +20,9 @@ from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
 from jaxatt.records.phase import Phase
-from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
 from jaxatt.records.wording import broken_limit
 from jaxatt.runtime.arrays import Floats
@@ -94,7 +95,7 @@ def _flown_phase(
         objective={name: float(value[0]) for name, value in flown.cost.items()},
         l1_effort=float(task.l1_effort(controls)[0]),
         reached=reached,
-        failure_reason="" if reached else _failure_reason(task, answer, flown.pointing),
+        failure_reason="" if reached else _failure_reason(task, answer, flown),
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
         pointing=flown.pointing,
@@ -138,12 +139,16 @@ def _valves(
     )
 
 
-def _failure_reason(
-    task: SparseTask, answer: Candidates, pointing: PointingRecord | None = None
-) -> str:
+def _failure_reason(task: SparseTask, answer: Candidates, flown: Flown) -> str:
     """Sentence on the constraint that the closest answer violates."""
     saturated = task.saturated_intervals(answer.controls[0])
     binding: tuple[str, ...] = ()
     if saturated:
         binding = (f"the control limit binds in {saturated} of {task.intervals} intervals",)
-    return failure_reason(answer.verdict, Status(int(answer.status[0])), pointing, binding)
+    speeds: list[str] = []
+    if isinstance(task, SlewTask) and task.has_speed_limits:
+        omega_bw = flown.series["omega_bw"][None, : task.intervals + 1]
+        excess = speed_excess(task.craft.wheels, omega_bw)[0]
+        speeds = broken_speeds(task.craft.wheels, excess, Verdict.MARGIN_TOLERANCE)
+    status = Status(int(answer.status[0]))
+    return failure_reason(answer.verdict, status, flown.pointing, binding, speeds)

@@ -152,6 +152,15 @@ class SparseTask(ABC):
         margins = np.asarray(self.system.stage_margins(u, self.arguments.plant))
         return int((margins.min(axis=1) < _BINDING).sum())
 
+    @property
+    def in_motion(self) -> bool:
+        """Whether the system moves far without control, so that starts have to allow for it."""
+        return False
+
+    def moving_starts(self, count: int, seed: int) -> tuple[Floats, Floats]:
+        """Scaled controls (S, N, b) that nearly lead to the target, and ways round (S,)."""
+        raise NotImplementedError(f"{type(self).__name__} has no starts in motion")
+
     @abstractmethod
     def long_way_probability(self) -> float:
         """Probability with which a random start heads for the target the long way."""

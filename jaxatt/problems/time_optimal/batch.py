@@ -13,7 +13,7 @@ from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.method import InteriorPoint
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
-from jaxatt.problems.time_optimal.random_paths import Paths
+from jaxatt.problems.time_optimal.paths import Paths
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.chunks import Report

@@ -17,8 +17,9 @@ from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.solver import InteriorSettings, InteriorSolution
 from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal.batch import solve_paths
-from jaxatt.problems.time_optimal.random_paths import Paths, random_paths
+from jaxatt.problems.time_optimal.paths import Paths
 from jaxatt.problems.time_optimal.search import FreeTimeFound, evaluate, search_free_time
+from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
@@ -60,7 +61,7 @@ def effort_path(
     middle = task.weighing(float(weights[len(weights) // 2]))
     best = search_free_time(middle, count, seed, report)
     rows = rows_of_stages(count, task.intervals)  # as in the search: nothing is compiled again
-    paths = random_paths(middle, 1, seed)
+    paths = starts_of(middle, 1, seed)
     begin = _warm(middle, best, paths, weights)
     solution = solve_paths(middle, begin, _WARM, None, report, rows)
     for shift in (1, -1):

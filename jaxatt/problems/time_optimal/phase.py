@@ -6,6 +6,7 @@ import numpy as np
 
 from jaxatt.attitude import quaternion
 from jaxatt.optimize.status import Status
+from jaxatt.problems.coasting import coasting_substeps
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.flown import flown_end, flown_series
@@ -14,12 +15,18 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs
 from jaxatt.problems.time_optimal.record import TimeOptimum
 from jaxatt.problems.time_optimal.search import FreeTimeFound
+from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.switches import switch_times
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
+from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
 from jaxatt.records.phase import Phase
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
+
+_MEASURED = 4
+"""Starts whose lengths of an interval say how many steps it needs."""
 
 
 def build_time_task(
@@ -33,18 +40,18 @@ def build_time_task(
         scenario.objective.effort_weight,
         scenario.transcription.attitude,
         scenario.transcription.integration,
-        horizon.substeps or 1,
+        horizon.substeps,
         horizon.shortest,
         horizon.longest,
     )
-    return ReorientationTask(
-        scenario.vehicle,
-        start.state or scenario.initial,
-        scenario.targets[start.index],
-        horizon.intervals,
-        goal,
-        scenario.pointing,
-    )
+    craft, target = scenario.vehicle, scenario.targets[start.index]
+    initial, count = start.state or scenario.initial, horizon.intervals
+    task = ReorientationTask(craft, initial, target, count, goal, scenario.pointing)
+    if not task.measures_substeps or task.at_target:
+        return task
+    few = starts_of(task, _MEASURED, scenario.solver.seed)
+    step = float(np.median(few.step))
+    return task.with_substeps(coasting_substeps(craft, initial, target, step, count))
 
 
 def time_record(
@@ -100,7 +107,12 @@ def time_record(
         reached=reached,
         failure_reason=""
         if reached
-        else failure_reason(verdict, Status(int(found.status[best])), pointing),
+        else failure_reason(
+            verdict,
+            Status(int(found.status[best])),
+            pointing,
+            broken_margins=_broken_speeds(task, found),
+        ),
         active=active[best].any(axis=1),
         starts=StartsRecord(
             status=found.status,
@@ -131,6 +143,17 @@ def time_record(
         ),
     )
     return record, flown_end(flown, count)
+
+
+def _broken_speeds(task: ReorientationTask, found: FreeTimeFound) -> list[str]:
+    """Words on the wheels that the best answer turns too fast."""
+    if not task.form.speed_limited:
+        return []
+    torque, step = found.controls[found.best][None], found.step[found.best][None]
+    flown = task.fly(torque, step, between=MINIMUM_SUBSTEPS)
+    wheels = task.craft.wheels
+    excess = speed_excess(wheels, flown.omega_bw)[0]
+    return broken_speeds(wheels, excess, Verdict.MARGIN_TOLERANCE)
 
 
 def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:

@@ -8,33 +8,17 @@ within their limits.  Source: Sensors and Materials 32 (5), 2020, 1671 ff., sect
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from jaxatt.attitude import quaternion
 from jaxatt.problems.manoeuvre import long_way_probability
+from jaxatt.problems.time_optimal.paths import Paths, states_along
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.arrays import Floats
 
 _SPREAD = 0.1
 _MOST_STRETCHES = 12
 _FIRST_DURATION = 10.0
-
-
-class Paths(NamedTuple):
-    """Starts of a reorientation; leading axis S.
-
-    u : (S, N, b), scaled controls.  states : (S, N + 1, s), of the programme.
-    step : (S,) [s].  reference : (S, 3 or 4), target attitude the way that the start goes.
-    effort_weight : (S,) [1/(N m)^2], rho.
-    """
-
-    u: Floats
-    states: Floats
-    step: Floats
-    reference: Floats
-    effort_weight: Floats
 
 
 def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
@@ -69,7 +53,8 @@ def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     if goal.effort_weight == 0.0:
         u = u + _SPREAD * (2.0 * drawn[:, n + 3 :].reshape(u.shape) - 1.0)
     u = np.clip(u, task.actuation.lower, task.actuation.upper)
-    states = _states(task, nodes[:, : n + 1], omega, u, step)
+    at = nodes[:, : n + 1]
+    states = states_along(task, _attitudes(task, at), omega, _to_body(at, task.momentum), u, step)
     return Paths(u, states, step, reference, np.full(count, goal.effort_weight))
 
 
@@ -97,6 +82,13 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
     return np.asarray(needed @ np.linalg.pinv(a.to_external - a.to_body).T), np.asarray(omega)
 
 
+def _attitudes(task: ReorientationTask, sigma: Floats) -> Floats:
+    """Attitudes (..., 4) after turns by MRP (..., 3) from the start."""
+    squared = (sigma**2).sum(axis=-1, keepdims=True)
+    relative = np.concatenate([1.0 - squared, 2.0 * sigma], axis=-1) / (1.0 + squared)
+    return np.asarray(quaternion.multiply(np.asarray(task.initial_state.q_ob), relative))
+
+
 def _rates(sigma: Floats, slope: Floats) -> Floats:
     """Rates omega (..., 3) from MRP and their derivatives; eq. (5)."""
     squared = (sigma**2).sum(axis=-1, keepdims=True)
@@ -111,23 +103,3 @@ def _to_body(sigma: Floats, vector: Floats) -> Floats:
     once = np.cross(sigma, vector)
     twice = np.cross(sigma, once)
     return np.asarray(vector + (8.0 * twice - 4.0 * (1.0 - squared) * once) / (1.0 + squared) ** 2)
-
-
-def _states(
-    task: ReorientationTask, nodes: Floats, omega: Floats, u: Floats, step: Floats
-) -> Floats:
-    """States of the programme at all nodes, (S, N + 1, s)."""
-    form = task.form
-    squared = (nodes**2).sum(axis=-1, keepdims=True)
-    relative = np.concatenate([1.0 - squared, 2.0 * nodes], axis=-1) / (1.0 + squared)
-    attitude = np.asarray(quaternion.multiply(np.asarray(task.initial_state.q_ob), relative))
-    if form.body.attitude == "mrp":
-        attitude = attitude[..., 1:] / (1.0 + attitude[..., :1])
-    parts = [attitude, omega]
-    if form.body.momentum == "carried":
-        parts.append(_to_body(nodes, task.momentum))
-    if form.speed_limited:
-        spent = np.cumsum(u * step[:, None, None], axis=1)
-        parts.append(np.concatenate([np.zeros_like(u[:, :1]), spent], axis=1))
-    parts.append(np.broadcast_to(np.log(step)[:, None, None], (*nodes.shape[:2], 1)))
-    return np.concatenate(parts, axis=-1)

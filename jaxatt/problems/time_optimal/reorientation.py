@@ -35,7 +35,8 @@ class ReorientationForm:
     """Static choices, which are compiled in: the body's form, and which limits there are."""
 
     body: BodyForm
-    time_limited: bool = False
+    shortest_limited: bool = False
+    longest_limited: bool = False
     speed_limited: bool = False
     cones: int = 0
     rate_limited: bool = False
@@ -50,6 +51,7 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
     impulses = size if form.speed_limited else 0
     closed = IntervalDerivatives(body, impulses, size)
     limited = form.cones or form.rate_limited or form.speed_limited
+    time_limited = form.shortest_limited or form.longest_limited
 
     def start(p: ReorientationParameters) -> Array:
         return jnp.concatenate([p.start, jnp.zeros(impulses, p.start.dtype), jnp.log(p.step)[None]])
@@ -84,9 +86,11 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         return jnp.concatenate(rows)
 
     def final_inequality(x: Array, p: ReorientationParameters) -> Array:
-        duration = jnp.sum(p.share) * jnp.exp(x[-1])
-        # Both near 1 where there is no such limit.
-        return jnp.stack([1.0 - p.shortest / duration, 1.0 - duration / p.longest])
+        # Of the logarithm, which is a state: linear, however far a limit is from the answer.
+        time = jnp.log(jnp.sum(p.share)) + x[-1]
+        rows = [time - jnp.log(p.shortest)] if form.shortest_limited else []
+        rows += [jnp.log(p.longest) - time] if form.longest_limited else []
+        return jnp.stack(rows)
 
     program = OptimalControlProgram(
         start=start,
@@ -96,7 +100,7 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         error_size=carried - turn + 3 + impulses + 1,
         inequality=inequality if limited else None,
         final_rows=final_rows,
-        final_inequality=final_inequality if form.time_limited else None,
+        final_inequality=final_inequality if time_limited else None,
         limits=lambda share, p: (p.lower, p.upper),
         free_start=1,
     )

@@ -1,6 +1,6 @@
 """Multi-start search for the best reorientation in free time (Algorithm A of the source).
 
-1. Every start is a random feasible path (`random_paths`).
+1. Every start is a random path, feasible from rest (`random_paths`) or in motion (`moving_paths`).
 2. All of them are solved at once by the interior-point method; those that end make room for others.
 3. Every answer is flown again with fine steps; the cheapest that reaches is the answer.
 
@@ -9,6 +9,7 @@ Source: Sensors and Materials 32 (5), 2020, 1671 ff., section 5.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import jax
@@ -19,14 +20,23 @@ import numpy.typing as npt
 from jaxatt.optimize.interior_point.solver import InteriorSolution
 from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal.batch import solve_paths
-from jaxatt.problems.time_optimal.random_paths import Paths, random_paths
+from jaxatt.problems.time_optimal.paths import Paths
+from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
 _SAME = 1e-4
 """Relative difference of costs up to which two answers are one minimum."""
+_MOST_REFINEMENTS = 2
+_MET = 1e-6
+"""Violation of the programme up to which what a flight misses is the error of its steps."""
+_LEFT = 0.1
+"""Of the tolerances, what more steps are to leave of that error."""
+_MOST_MORE = 8.0
+_ORDER = 4
 _MOST_TIGHTENINGS = 4
 _TIGHTER = 1.2
 
@@ -74,10 +84,27 @@ def search_free_time(
     """Find the best reorientation of a task from `count` starts."""
     if task.at_target:
         return _nothing_to_do(task)
-    paths = random_paths(task, count, seed)
-    solution = solve_paths(task, paths, report=report)
-    found = evaluate(task, paths, solution)
+    paths = starts_of(task, count, seed)
+    found = evaluate(task, paths, solve_paths(task, paths, report=report))
+    for _ in range(_MOST_REFINEMENTS if task.measures_substeps else 0):
+        substeps = _substeps_asked(task, found)
+        if substeps is None:
+            break
+        task = task.with_substeps(substeps)
+        found = evaluate(task, paths, solve_paths(task, paths, report=report))
     return _between_nodes(task, paths, found, report)
+
+
+def _substeps_asked(task: ReorientationTask, found: FreeTimeFound) -> int | None:
+    """Steps an interval that the best answer needs, where its flight misses for want of them."""
+    met = np.flatnonzero((found.violation <= _MET) & np.isfinite(found.cost))
+    if not len(met):
+        return None
+    missed = float(found.verdict.shortfall[met[np.argmin(found.cost[met])]])
+    if missed <= 1.0:
+        return None
+    more = min(_MOST_MORE, (missed / _LEFT) ** (1.0 / _ORDER))
+    return math.ceil(more * task.form.body.substeps)
 
 
 def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) -> FreeTimeFound:
@@ -135,18 +162,27 @@ def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, f
 def _between_nodes(
     task: ReorientationTask, paths: Paths, found: FreeTimeFound, report: Report | None
 ) -> FreeTimeFound:
-    """Tighten cones and rates that the best answer violates between nodes; solve again."""
-    for _ in range(_MOST_TIGHTENINGS if task.pointing else 0):
+    """Tighten limits on the way that the best answer violates between nodes; solve again."""
+    limited = bool(task.pointing) or task.form.speed_limited
+    slower = np.zeros(task.craft.wheels.count)
+    for _ in range(_MOST_TIGHTENINGS if limited else 0):
         ended = np.flatnonzero(found.status == Status.CONVERGED)
         if not len(ended):
             return found
         index = int(ended[np.argmin(found.cost[ended])])
         torque, step = found.controls[index : index + 1], found.step[index : index + 1]
-        excess = task.watch(task.fly(torque, step, between=_between(task))).excess[0]
-        if found.verdict.reached[index] or not excess.max() > 0.0:
+        flown = task.fly(torque, step, between=_between(task))
+        excess = task.watch(flown).excess[0]
+        over = speed_excess(task.craft.wheels, flown.omega_bw)[0]
+        if found.verdict.reached[index] or not max(excess.max(), over.max(initial=0.0)) > 0.0:
             return found
         constraint_margin = found.constraint_margin + _TIGHTER * np.maximum(excess, 0.0)
-        stricter = replace(task.parameters, limits=task.limits(constraint_margin))
+        slower = slower + _TIGHTER * np.maximum(over, 0.0)
+        stricter = replace(
+            task.parameters,
+            limits=task.limits(constraint_margin),
+            speed_limit=jnp.asarray(task.speed_limits(slower)),
+        )
         again = evaluate(task, paths, solve_paths(task, paths, None, stricter, report))
         found = replace(again, constraint_margin=constraint_margin)
     return found
@@ -159,7 +195,7 @@ def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
     verdict = task.judge(task.fly(torque, nothing), torque)
     return FreeTimeFound(
         scaled=scaled,
-        states=random_paths(task, 1, 0).states,
+        states=starts_of(task, 1, 0).states,
         controls=torque,
         step=nothing,
         cost=nothing,

@@ -21,6 +21,7 @@ from jaxatt.problems.time_optimal.actuation import actuation
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
@@ -40,14 +41,15 @@ class TimeGoal:
     """Objective and transcription of a reorientation.
 
     effort_weight : rho [1/(N m)^2]; 0 for the least time.
-    attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".  substeps : an interval.
+    attitude : "quaternion" or "mrp".  integration : "rk4" or "euler".
+    substeps : an interval; None where their number follows from what turns.
     shortest, longest : [s], limits of the final time.
     """
 
     effort_weight: float
     attitude: str = "quaternion"
     integration: str = "rk4"
-    substeps: int = 1
+    substeps: int | None = None
     shortest: float = 0.0
     longest: float = np.inf
 
@@ -115,10 +117,11 @@ class ReorientationTask:
                 goal.attitude,
                 goal.integration,
                 "own" if not wheels.count else self._momentum_form(momentum),
-                goal.substeps,
+                goal.substeps or 1,
                 _LARGEST_MRP,
             ),
-            time_limited=goal.shortest > 0.0 or np.isfinite(goal.longest),
+            shortest_limited=goal.shortest > 0.0,
+            longest_limited=bool(np.isfinite(goal.longest)),
             speed_limited=limited,
             cones=len(pointing.cones),
             rate_limited=pointing.rate_limit is not None,
@@ -155,8 +158,8 @@ class ReorientationTask:
             upper=jnp.asarray(a.upper),
             scale=jnp.asarray(a.scale),
             effort_weight=jnp.asarray(goal.effort_weight),
-            shortest=jnp.asarray(max(goal.shortest, 1e-9)),
-            longest=jnp.asarray(min(goal.longest, 1e9)),
+            shortest=jnp.asarray(goal.shortest),
+            longest=jnp.asarray(goal.longest),
             limits=self.limits(np.zeros(len(self.pointing.cones) + 1)),
             directions=jnp.asarray(self.directions),
             wheel_speed=jnp.asarray(self.initial_state.omega_bw),
@@ -165,6 +168,18 @@ class ReorientationTask:
             to_wheels=jnp.asarray(a.to_wheels),
             speed_limit=jnp.asarray(wheels.speed_limit),
         )
+
+    @property
+    def measures_substeps(self) -> bool:
+        """Whether the number of steps an interval is free; Euler steps stay as they are printed."""
+        return self.goal.substeps is None and self.goal.integration == "rk4"
+
+    def with_substeps(self, substeps: int) -> ReorientationTask:
+        """The same turn with so many steps of the integration an interval."""
+        other = copy.copy(self)
+        other.form = replace(self.form, body=replace(self.form.body, substeps=substeps))
+        other.program = reorientation(other.form, self.actuation.size)
+        return other
 
     def weighing(self, effort_weight: float) -> ReorientationTask:
         """The same turn with another weight of effort, rho [1/(N m)^2]."""
@@ -176,6 +191,15 @@ class ReorientationTask:
     def limits(self, constraint_margin: Floats) -> PointingLimits:
         """Cones and rates for the solver, tightened by the margin; see `Pointing.path`."""
         return self.pointing.path(self.directions[None], constraint_margin).limits
+
+    def speed_limits(self, slower: Floats) -> Floats:
+        """Speed limits (n,) [rad/s] of the wheels, lower by the shares `slower` (n,).
+
+        Not lower than a wheel turns at the start, which nothing changes.
+        """
+        limit = np.asarray(self.craft.wheels.speed_limit)
+        first = np.minimum(np.abs(np.asarray(self.initial_state.omega_bw)), limit)
+        return np.maximum(limit * (1.0 - slower), first)
 
     def turn(self, sign: float) -> Floats:
         """MRP (3,) of the target relative to the start, the short (1) or the long way (-1)."""
@@ -195,6 +219,12 @@ class ReorientationTask:
         if self.form.body.attitude == "mrp":
             return np.asarray(mrp.from_quaternion(end, short=False))
         return end
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the body turns at the start or the target, or its wheels store momentum."""
+        rates = np.concatenate([self.initial_state.omega_ob, self.target.omega_ob])
+        return bool(np.any(rates != 0.0) or np.linalg.norm(self.momentum) > _AT_REST)
 
     @property
     def at_target(self) -> bool:
@@ -259,8 +289,7 @@ class ReorientationTask:
             axis=-1,
         )
         worst = [np.zeros(len(q))]
-        speed = np.abs(np.asarray(flown.omega_bw)) / np.asarray(wheels.speed_limit) - 1.0
-        worst.append(speed.max(axis=(1, 2), initial=-1.0))
+        worst.append(speed_excess(wheels, flown.omega_bw).max(axis=1, initial=-1.0))
         if self.pointing:
             worst.append(self.watch(flown).violation)
         return Verdict(

@@ -96,6 +96,30 @@ def test_new_values_do_not_compile_again(compilations):
     assert not compilations
 
 
+def test_a_longest_time_that_does_not_bind_changes_nothing():
+    """However far it is, and where starts lie on it."""
+    usual = found()
+    best = 12 * usual.step[usual.best]
+    rng = np.random.default_rng(21)
+    for factor in (1.001, *10.0 ** rng.uniform(0.02, 7.0, 4)):
+        task = build_time_task(case(**{"horizon.longest_s": float(factor * best)}))
+        other = search_free_time(task, 6, 0)
+        # So near that hardly any room is left, some starts end feasible and no better.
+        assert factor < 1.01 or (other.status == Status.CONVERGED).all(), factor
+        assert other.reached[other.best]
+        assert 12 * other.step[other.best] == pytest.approx(best, rel=1e-7), factor
+
+
+def test_a_shortest_time_matters_only_where_it_binds():
+    usual = found()
+    best = 12 * usual.step[usual.best]
+    for factor in (1e-7, 0.999, 1.2):
+        goal = {"horizon.shortest_s": float(factor * best)}
+        other = search_free_time(build_time_task(case(**goal)), 6, 0)
+        assert (other.status == Status.CONVERGED).all(), factor
+        np.testing.assert_allclose(12 * other.step, max(1.0, factor) * best, rtol=1e-6)
+
+
 LIMITS = {
     "keep_out": [
         {

@@ -9,7 +9,6 @@ from contextlib import contextmanager
 import numpy as np
 
 from jaxatt.multistart.driver import begin_compiling
-from jaxatt.optimize.reweighting.weights import Reweighting
 from jaxatt.problems.hands_off.search.batch import Form, broadcast_lanes
 from jaxatt.problems.hands_off.search.polish import (
     Method,
@@ -35,7 +34,7 @@ def compiled_ahead(task: SparseTask, method: Method) -> Iterator[None]:
             u = np.zeros((method.rows, task.intervals, task.size))
             lanes = broadcast_lanes(u, arguments.free, arguments.row_weight, np.ones(len(u)))
             for (solver, kind), needed in (
-                (reweighting(task, method, Reweighting()), count_arguments(task)),
+                (reweighting(task, method, method.deciding(task)), count_arguments(task)),
                 (spending(task, method), effort_arguments(task)),
             ):
                 form = Form(task.system, task.shared, kind, task.size)

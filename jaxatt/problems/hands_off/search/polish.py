@@ -15,7 +15,12 @@ from jaxatt.optimize.least_effort.primal_dual import LeastEffort
 from jaxatt.optimize.reweighting.condensed import CondensedReweighting
 from jaxatt.optimize.reweighting.staged import StagedReweighting
 from jaxatt.optimize.reweighting.support import Mask
-from jaxatt.optimize.reweighting.weights import SUPPORT_THRESHOLD, Reweighting, SparseRoot
+from jaxatt.optimize.reweighting.weights import (
+    SUPPORT_THRESHOLD,
+    Gradual,
+    Reweighting,
+    SparseRoot,
+)
 from jaxatt.optimize.riccati.lagrangian import RiccatiLagrangian
 from jaxatt.optimize.solver import Solver
 from jaxatt.optimize.status import Status
@@ -57,6 +62,9 @@ SLACK = Schedule(
 
 SETTLE = Reweighting(deciding=0, settling=8)
 """Least effort on a given support to the accuracy of the Newton steps, to see if it leads there."""
+
+FOLLOW = Reweighting(deciding=200, smoothing=0.1, factor=0.965, settling=20, gradual=Gradual())
+"""Deciding from starts in motion, which nearly lead to the target."""
 
 SETTLED = 1e-5
 """[rad] Rows left before the last step up to which a settled start counts as feasible."""
@@ -104,6 +112,18 @@ class Method:
         way = task.system.decided_by
         condensed = self.reweights and self.decides == "l0" and way is DecidedBy.CONDENSED
         return condensed or way is DecidedBy.BOUNDS or self.stages_for(task)
+
+    def follows(self, task: SparseTask) -> bool:
+        """Whether supports are decided gradually, from starts in motion."""
+        return task.in_motion and self.reweights_for(task) and not self.stages_for(task)
+
+    def deciding(self, task: SparseTask) -> Reweighting:
+        """Settings with which supports are decided."""
+        return FOLLOW if self.follows(task) else Reweighting()
+
+    def settling(self, task: SparseTask) -> Reweighting:
+        """Settings with which a given support is tried, of the same program as `deciding`."""
+        return replace(SETTLE, gradual=self.deciding(task).gradual)
 
     def spends_least_for(self, task: SparseTask) -> bool:
         """Whether supports are polished by the primal-dual method.
@@ -168,7 +188,7 @@ def decide(task: SparseTask, starts: Starts, method: Method) -> tuple[Floats, Ma
         return starts.u * free, np.any(free > 0.0, axis=-1, keepdims=True)
     lanes = Lanes(starts.u * free, free, rows, starts.sign)
     if method.reweights_for(task):
-        found = reweight(task, lanes, method, Reweighting())
+        found = reweight(task, lanes, method, method.deciding(task))
         u = np.nan_to_num(np.asarray(found.u))
         active: Mask = np.asarray(found.support) > 0
         return u, np.any(active, axis=-1, keepdims=True) if task.shared else active
@@ -188,7 +208,7 @@ def screen(task: SparseTask, u: Floats, supports: Mask, sign: Floats, method: Me
         return polish(task, u, supports, sign, method, SCREENING)
     free = _free(task, supports)
     lanes = broadcast_lanes(u * free, free, task.arguments.row_weight, sign)
-    found = reweight(task, lanes, method, SETTLE)
+    found = reweight(task, lanes, method, method.settling(task))
     arrived = np.asarray(found.residual) <= SETTLED
     status = np.where(arrived, int(Status.FEASIBLE), int(Status.ITERATION_LIMIT))
     settled = evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)

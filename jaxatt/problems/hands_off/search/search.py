@@ -21,7 +21,7 @@ from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, jo
 from jaxatt.problems.hands_off.search.enumeration import from_pairs
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
-from jaxatt.problems.hands_off.search.starts import draw
+from jaxatt.problems.hands_off.search.starts import Starts, draw
 from jaxatt.problems.hands_off.sparse_program import DecidedBy
 from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
@@ -85,7 +85,7 @@ def search(
     scaled = None if guess is None else task.from_controls(guess)
     first = "l1" if task.goal.kind == "l1" else "l0"
     with compiled_ahead(task, method(first, "")):
-        starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), scaled)
+        starts = _drawn(task, method(first, ""), count, seed, scaled)
         ended = from_starts(first)
     pool = ended
     if task.goal.kind != "l1" and not ended.verdict.reached.any():
@@ -105,8 +105,8 @@ def search(
         # Random starts end up far apart, where a torque limit that binds leaves no room for that.
         most = _most(task, pool)
         bursts = method("l0", "trying bursts at both ends")
-        if most > _FEW and (found := fewest_bang_off_bang(task, most, bursts)) is not None:
-            pool = join(pool, found)
+        if most > _FEW and (ends := fewest_bang_off_bang(task, most, bursts)) is not None:
+            pool = join(pool, ends)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
@@ -136,7 +136,7 @@ def look(task: SparseTask, count: int, seed: int) -> Candidates:
     rows = chunk_for(count)
     if task.system.decided_by is DecidedBy.BOUNDS:
         return from_bounded_starts(task, count, seed, None, lambda d, _: Method(d, rows=rows))
-    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability())
+    starts = _drawn(task, Method(decides, rows=rows), count, seed, None)
     u, supports = decide(task, starts, Method(decides, rows=rows))
     return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
 
@@ -147,6 +147,16 @@ def _most(task: SparseTask, pool: Candidates) -> int:
     if not pool.verdict.reached[best]:
         return task.intervals // 2
     return int(support_of(task, pool.controls[best]).any(axis=-1).sum())
+
+
+def _drawn(task: SparseTask, method: Method, count: int, seed: int, guess: Floats | None) -> Starts:
+    """Random pulses, or torques that allow for how the system moves without them."""
+    starts = draw(seed, count, task.intervals, task.size, task.long_way_probability(), guess)
+    spends = task.in_motion and method.decides == "l1"
+    if guess is not None or not (method.follows(task) or spends):
+        return starts
+    u, way = task.moving_starts(count, seed)
+    return starts._replace(u=u, sign=way)
 
 
 def _pairs(task: SparseTask, method: Method, count: int) -> tuple[Floats, Mask] | None:

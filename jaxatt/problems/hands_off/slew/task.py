@@ -14,10 +14,12 @@ from jax import Array
 
 from jaxatt.attitude import errors
 from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
+from jaxatt.problems.coasting import needed_substeps
 from jaxatt.problems.hands_off.printed_cost import partly_open, support_cost
 from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew_parameters
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.hands_off.slew.mounting import mounting
+from jaxatt.problems.hands_off.slew.moving_starts import moving_starts
 from jaxatt.problems.hands_off.slew.system import slew_system
 from jaxatt.problems.hands_off.task import Goal, SparseTask
 from jaxatt.problems.manoeuvre import (
@@ -25,12 +27,12 @@ from jaxatt.problems.manoeuvre import (
     InitialState,
     Target,
     Waypoint,
-    automatic_substeps,
     long_way_probability,
 )
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.watch import ObservedPath, PathMonitor
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import CHUNK, in_chunks
 from jaxatt.runtime.compilation import Routine
@@ -101,7 +103,9 @@ class SlewTask(SparseTask):
         self.craft, self.initial_state, self.target, self.goal = craft, initial_state, target, goal
         self.grid, self.waypoint, self.axes = grid, waypoint, axes
         self.intervals, self.step = grid.intervals, grid.step
-        substeps = grid.substeps or automatic_substeps(grid.step, surroundings)
+        substeps = grid.substeps or needed_substeps(
+            craft, initial_state, target, surroundings, grid.step, grid.intervals
+        )
         fine = substeps * int(np.ceil(MINIMUM_SUBSTEPS / substeps))
         self.table = tabulate(
             surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
@@ -301,12 +305,12 @@ class SlewTask(SparseTask):
         path = np.zeros(len(controls))
         if self.watches:
             path = self.watch(flown).violation
-        speed = np.abs(flown.omega_bw[:, : end + 1]) / np.asarray(wheels.speed_limit) - 1.0
+        speed = speed_excess(wheels, flown.omega_bw[:, : end + 1]).max(axis=1, initial=0.0)
         return Verdict(
             found,
             tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2))),
-            np.maximum(path, speed.max(axis=(1, 2), initial=0.0) * self.judges_path),
+            np.maximum(path, speed * self.judges_path),
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
@@ -346,6 +350,18 @@ class SlewTask(SparseTask):
                 controls, self.thrust(controls), limit, self.goal
             )
         return parts
+
+    @property
+    def in_motion(self) -> bool:
+        """Whether the wheels' momentum or a rate at either end turns the body far."""
+        rates = np.stack([self.initial_state.omega_ob, self.target.omega_ob])
+        turned = float(np.linalg.norm(rates, axis=1).max()) * self.intervals * self.step
+        far = self.form.gyroscopic or turned > _SMALL_GYROSCOPIC_TURN
+        return far and not self.form.has_thrusters
+
+    def moving_starts(self, count: int, seed: int) -> tuple[Floats, Floats]:
+        """See `SparseTask.moving_starts`."""
+        return moving_starts(self.craft, self.mounting, self.arguments.plant, count, seed)
 
     def long_way_probability(self) -> float:
         """See `jaxatt.problems.manoeuvre.long_way_probability`."""

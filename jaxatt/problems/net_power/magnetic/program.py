@@ -25,8 +25,6 @@ from jaxatt.problems.net_power.magnetic.derivatives import StageDerivatives
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
 
-_LONGEST = 1e9
-
 
 @functools.cache
 def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
@@ -56,8 +54,7 @@ def magnetic_program(form: MagneticForm) -> OptimalControlProgram:
 
     def final_inequality(x: Array, p: MagneticParameters) -> Array:
         final = jnp.exp(x[-1])
-        longest = jnp.minimum(jnp.asarray(p.longest), _LONGEST)
-        return jnp.stack([1.0 - p.shortest / final, 1.0 - final / longest])
+        return jnp.stack([1.0 - p.shortest / final, 1.0 - final / p.longest])
 
     return OptimalControlProgram(
         start=start,
