@@ -65,9 +65,9 @@ def simulate(
     shared, start = build_flight(flight, plan)
     count = 1 if runs is None else runs
     number = flight.seed if seed is None else seed
-    for name, value, least, most in (("runs", count, 1, MOST_RUNS), ("seed", number, 0, MOST_SEED)):
+    for key, value, least, most in (("runs", count, 1, MOST_RUNS), ("seed", number, 0, MOST_SEED)):
         if not least <= value <= most:
-            raise ValueError(f"{name} = {value}: must be at least {least} and at most {most}")
+            raise ValueError(f"{key} = {value}: must be at least {least} and at most {most}")
     drawn = (spread or flight.spread) if runs is not None else None
     progress = None if report is None else (lambda done: report("flying", done))
     flown = fly_runs(shared, start, chosen, count, number, drawn, progress)

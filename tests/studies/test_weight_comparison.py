@@ -103,7 +103,7 @@ def test_files_of_a_comparison_of_weights(asked, tmp_path):
     ],
 )
 def test_printed_lists_that_do_not_fit_are_refused(asked, change):
-    with pytest.raises(ScenarioError, match=r"\[printed\] time_weight_W_s, net_J.*rise"):
+    with pytest.raises(ScenarioError, match=r"\[printed\] time_weight_W_s, net_J.*rising"):
         compare(scenarios.replace(scenarios.load(NAME), change))
     assert not asked
 

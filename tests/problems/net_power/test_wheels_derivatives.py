@@ -75,13 +75,13 @@ def both(name, shorter=1.0, missed=0.0, weaker=1.0, seed=0):
     """shorter, weaker : of the interval and of the external torques.  missed : size of the gap."""
     task = wheels_task(manoeuvre_of(name))
     form, p, program = task.form, task.parameters, wheels_programme(task.form)
-    p = dataclasses.replace(jax.tree.map(jnp.asarray, p), step=p.step / shorter)
+    p = jax.tree.map(jnp.asarray, p)
     stage = jax.tree.map(lambda leaf: leaf[3], p.stages)
     along = stage.along
     if along is not None:
         field = None if along.field is None else jax.tree.map(lambda b: b * weaker, along.field)
         along = along._replace(field=field, gradient=along.gradient * weaker)
-    stage = stage._replace(step=stage.step / shorter, along=along)
+    stage = stage._replace(step=stage.step / shorter, paid=stage.paid / shorter, along=along)
     rng, n, size = np.random.default_rng(seed), form.error_size, form.error_size + form.controls
     q = rng.normal(size=4)
     parts = [q / np.linalg.norm(q), 0.03 * rng.normal(size=form.stored)]

@@ -142,6 +142,7 @@ def test_the_sequence_is_kept_where_the_joint_answer_is_worse(sequence, monkeypa
     else:
         solved = searched(sequence.scenario, PhaseStart(), None).solved
         given = (solved.torque[np.argmin(solved.claimed)], *given[1:])
+    monkeypatch.setattr(improve, "corrected", lambda manoeuvre, torque, dipole: torque)
     answer = JointAnswer(given, (None,) * 4, Status.CONVERGED, 0.0, 0.0, 7)
     monkeypatch.setattr(improve, "solve_jointly", lambda *_, **__: answer)
     scenario = scenarios.from_mapping(short_plan({"plan.joint": True}))
