@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import subprocess
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -30,11 +31,14 @@ def compiled_solver(
     options = {"print_time": False, **quiet, **options}
     interpreted = ca.nlpsol("program", plugin, program, options)
     name = f"{plugin}_program"
-    with contextlib.chdir(folder):  # CasADi writes its source into the working directory
-        interpreted.generate_dependencies(f"{name}.c")
-    source = folder / f"{name}.c"
-    key = hashlib.sha256(source.read_bytes() + " ".join(flags).encode()).hexdigest()[:16]
-    library = folder / f"{name}_{key}.so"
-    if not library.exists():
-        subprocess.run(["cc", *flags, str(source), "-o", str(library)], check=True)
+    # Of this process alone: others write the same source at the same time.
+    with tempfile.TemporaryDirectory(dir=folder) as own:
+        with contextlib.chdir(own):  # CasADi writes its source into the working directory
+            interpreted.generate_dependencies(f"{name}.c")
+        source, made = Path(own, f"{name}.c"), Path(own, f"{name}.so")
+        key = hashlib.sha256(source.read_bytes() + " ".join(flags).encode()).hexdigest()[:16]
+        library = folder / f"{name}_{key}.so"
+        if not library.exists():
+            subprocess.run(["cc", *flags, str(source), "-o", str(made)], check=True)
+            made.replace(library)
     return ca.nlpsol("compiled", plugin, str(library), options)
