@@ -110,7 +110,7 @@ def interval(task: WheelsTask) -> Interval:
     p, form = task.parameters, task.form
     if form.substeps != 1 or form.each or form.charge or form.power == "wheels":
         raise ValueError("form: this side has one step an interval and signed or body power")
-    h = float(p.step)
+    h = task.manoeuvre.step
     size = 10 if form.torqued else 7
     x, u = ca.SX.sym("x", size), ca.SX.sym("u", form.controls)
     data = ca.SX.sym("data", len(stage_data(task)))
@@ -162,7 +162,7 @@ def external(
     task: WheelsTask, q: ca.SX, lost: ca.SX, taking: ca.SX, rate: ca.SX, slope: ca.SX, data: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """External torque in body axes and dipole of the magnetorquers, in the middle."""
-    p, h = task.parameters, float(task.parameters.step)
+    p, h = task.parameters, task.manoeuvre.step
     middle = product(q, exponential(0.5 * h * rate + 0.125 * h * h * slope))
     omega = rate + 0.5 * h * slope
     inertia, without = ca.DM(np.asarray(p.inertia)), ca.DM(np.asarray(p.without_spin))
