@@ -6,6 +6,7 @@ import functools
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.optimize.optimal_control import fly
@@ -46,6 +47,6 @@ def _states(form: WheelsForm, p: WheelsParameters, controls: Any) -> Any:
 
     def one(u: Any) -> Any:
         x, end = fly(wheels_programme(form), u, p)
-        return jax.numpy.concatenate([x, end[None]])
+        return jnp.concatenate([x, end[None]])
 
     return jax.vmap(one)(controls)

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from jaxatt.attitude.host_vectors import cross
 from jaxatt.problems.net_power.wheels.host import (
     conjugate,
-    cross,
     exponential,
     logarithm,
     product,
