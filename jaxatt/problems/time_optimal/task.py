@@ -201,11 +201,15 @@ class ReorientationTask:
         first = np.minimum(np.abs(np.asarray(self.initial_state.omega_bw)), limit)
         return np.maximum(limit * (1.0 - slower), first)
 
+    @functools.cached_property
+    def _relative(self) -> Floats:
+        """Attitude (4,) of the target relative to the start."""
+        begin, end = np.asarray(self.initial_state.q_ob), np.asarray(self.target.q_ob)
+        return np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
+
     def turn(self, sign: float) -> Floats:
         """MRP (3,) of the target relative to the start, the short (1) or the long way (-1)."""
-        begin, end = np.asarray(self.initial_state.q_ob), np.asarray(self.target.q_ob)
-        relative = np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
-        relative = relative * (sign if relative[0] >= 0.0 else -sign)
+        relative = self._relative * (sign if self._relative[0] >= 0.0 else -sign)
         if 1.0 + relative[0] < _AT_REST:
             return np.zeros(3)  # a whole turn, which no MRP holds and nobody wants
         return np.asarray(relative[1:] / (1.0 + relative[0]))
