@@ -10,6 +10,7 @@ import numpy as np
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
 from jaxatt.runtime.arrays import Flags, Floats
+from jaxatt.simulation.flight_error import FlightError
 
 
 class Section:
@@ -51,6 +52,8 @@ class Phase:
     starts : how every start ended.
     pointing : None without cones and rate limits.
     alternative : the best answer that does reach, where the best by cost does not.
+    search_steps : Runge-Kutta steps an interval of the search; 0 where they are not counted.
+    flight_error : how wrong the flight can be, and its steps; None where that was not measured.
     section : what only this family's answers have.
     """
 
@@ -72,6 +75,8 @@ class Phase:
     starts: StartsRecord
     pointing: PointingRecord | None = None
     alternative: Phase | None = None
+    search_steps: int = 0
+    flight_error: FlightError | None = None
     section: Section = field(default_factory=Section)
 
     @property

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from jaxatt.records.pointing import Extreme
+from jaxatt.simulation.flight_error import FlightError
 
 OBJECTIVES = {
     "l0": "L0",
@@ -77,3 +78,17 @@ def short(value: float | None, digits: int = 4) -> str:
 def plural(count: int, word: str) -> str:
     """Text of a count with its noun, e.g. "1 start", "2 starts"."""
     return f"{count} {word}{'' if count == 1 else 's'}"
+
+
+def uncertain_flight(error: FlightError) -> str:
+    """Sentence on a flight that more steps still change by more than a tenth of the tolerances."""
+    off = "it is no number"
+    if math.isfinite(error.attitude) and math.isfinite(error.rate):
+        off = (
+            f"half as many change it by {math.degrees(error.attitude):.3g} deg and "
+            f"{error.rate:.3g} rad/s"
+        )
+    return (
+        f"the flight itself is uncertain: with {error.steps} Runge-Kutta steps an interval, {off}; "
+        "take shorter intervals"
+    )

@@ -41,6 +41,10 @@ NAMES = (
     "active_outside_windows",
     "relative_sparsity_percent",
     *_ERRORS,
+    "flight_error_deg",
+    "flight_error_rad_s",
+    "flight_steps",
+    "search_steps",
     "max_torque_violation_Nm",
     "max_complementarity_Nm",
     "l1_effort_Nms",
@@ -59,7 +63,8 @@ NAMES = (
 """Names that every phase has in a summary, in their order; null where no family gives a value."""
 
 _SUMS = ("active_intervals", "l1_effort_Nms", "final_time_s", "control_effort")
-_WORST = (*_ERRORS, "max_torque_violation_Nm")
+_STEPS = ("flight_error_deg", "flight_error_rad_s", "flight_steps", "search_steps")
+_WORST = (*_ERRORS, *_STEPS, "max_torque_violation_Nm")
 
 
 def summary(result: Answer) -> dict[str, Any]:
@@ -128,8 +133,20 @@ def _phase(phase: Phase) -> dict[str, Any]:
         "obstacle": phase.failure_reason,
         "starts": starts_summary(phase.starts),
         **named_errors(phase),
+        **_steps(phase),
     }
     return _in_order({**sections_of_phase(phase).names(phase), **general})
+
+
+def _steps(phase: Phase) -> dict[str, float | int | None]:
+    """Runge-Kutta steps an interval of search and flight, and what the flight is uncertain by."""
+    error = phase.flight_error
+    return {
+        "flight_error_deg": None if error is None else math.degrees(error.attitude),
+        "flight_error_rad_s": None if error is None else error.rate,
+        "flight_steps": None if error is None else error.steps,
+        "search_steps": phase.search_steps or None,
+    }
 
 
 def named_errors(phase: Phase) -> dict[str, float]:

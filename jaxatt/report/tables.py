@@ -13,7 +13,7 @@ from rich.text import Text
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.sections import Block, Row
 from jaxatt.records.phase import Phase
-from jaxatt.records.wording import LIMITS, limit_label, limit_text, short
+from jaxatt.records.wording import LIMITS, limit_label, limit_text, plural, short
 from jaxatt.report.do_nothing import do_nothing_sentence
 from jaxatt.report.family import sections_of
 from jaxatt.report.summary import summary
@@ -83,6 +83,7 @@ def _rows(result: Answer) -> list[Row]:
             for key in first.errors
             if key not in known
         ),
+        ("flight uncertain by", _uncertain),
         *own.flown,
         *(
             (limit_label(extreme.kind, extreme.name), _limit(index))
@@ -131,6 +132,17 @@ def _error(phase: Phase, name: str, key: str) -> Callable[[Block], str]:
         return f"{short(block[key]) or 'not finite'} ({'<' if met else '>'} {allowed:.3g})"
 
     return show
+
+
+def _uncertain(block: Block) -> str:
+    """What the flight may be wrong by, and the steps that it and the search took."""
+    if block["flight_steps"] is None:
+        return ""
+    steps = f"{plural(int(block['flight_steps']), 'Runge-Kutta step')} an interval"
+    if block["search_steps"] is not None:
+        steps += f", {int(block['search_steps'])} in the search"
+    angle, rate = block["flight_error_deg"], block["flight_error_rad_s"]
+    return f"{short(angle, 2)} deg, {short(rate, 2)} rad/s ({steps})"
 
 
 def _starts(block: Block) -> str:

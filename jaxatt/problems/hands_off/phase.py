@@ -24,7 +24,7 @@ from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
 from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
-from jaxatt.records.wording import broken_limit
+from jaxatt.records.wording import broken_limit, plural
 from jaxatt.runtime.arrays import Floats
 
 Fly = Callable[[Any, Floats], Flown]
@@ -80,7 +80,8 @@ def _flown_phase(
         shortfall=starts.verdict.shortfall,
         distinct_minima=found.distinct_minima,
     )
-    reached = bool(verdict.reached[0])
+    certain = flown.flight_error is None or flown.flight_error.agreed
+    reached = bool(verdict.reached[0]) and certain
     phase = Phase(
         family=scenario.family,
         start_time=start_time,
@@ -99,6 +100,8 @@ def _flown_phase(
         active=(np.abs(controls[0]) > task.threshold).any(axis=1),
         starts=record,
         pointing=flown.pointing,
+        search_steps=task.substeps,
+        flight_error=flown.flight_error,
         section=SparseSection(
             weight=np.asarray(task.arguments.weight),
             window=window,
@@ -145,10 +148,17 @@ def _failure_reason(task: SparseTask, answer: Candidates, flown: Flown) -> str:
     binding: tuple[str, ...] = ()
     if saturated:
         binding = (f"the control limit binds in {saturated} of {task.intervals} intervals",)
+    if task.substeps < task.needed_substeps:
+        binding += (
+            f"the search takes {plural(task.substeps, 'Runge-Kutta step')} an interval where "
+            f"{task.needed_substeps} are needed: leave `substeps` out, or give as many",
+        )
     speeds: list[str] = []
     if isinstance(task, SlewTask) and task.has_speed_limits:
         omega_bw = flown.series["omega_bw"][None, : task.intervals + 1]
         excess = speed_excess(task.craft.wheels, omega_bw)[0]
         speeds = broken_speeds(task.craft.wheels, excess, Verdict.MARGIN_TOLERANCE)
     status = Status(int(answer.status[0]))
-    return failure_reason(answer.verdict, status, flown.pointing, binding, speeds)
+    return failure_reason(
+        flown.verdict, status, flown.pointing, binding, speeds, flown.flight_error
+    )

@@ -17,6 +17,7 @@ from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.verdict import Verdict
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
+from jaxatt.simulation.flight_error import FlightError
 
 _BINDING = 1e-3
 
@@ -60,6 +61,7 @@ class Flown:
     verdict, cost : of the one control history.  series : name -> samples.
     reference : name -> target of a series.  end : state at the end of the horizon.
     pointing : None without cones and rate limits.
+    flight_error : how wrong the flight can be; None where nothing turns.
     """
 
     verdict: Verdict
@@ -68,6 +70,7 @@ class Flown:
     reference: dict[str, Floats]
     end: InitialState
     pointing: PointingRecord | None = None
+    flight_error: FlightError | None = None
 
 
 class SparseTask(ABC):
@@ -82,6 +85,10 @@ class SparseTask(ABC):
     threshold: float
     """Controls at or below this count as zero (Schaanning 2021, definition 5.1.1)."""
 
+    substeps: int = 1
+    """Runge-Kutta steps an interval of the search."""
+    needed_substeps: int = 1
+    """The same that keep its error well within the tolerances."""
     sparsity_weight: float = 1.0
     """k3 where the printed cost is minimised."""
     effort_weight: float = 1.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -29,7 +29,10 @@ LEAST_STEPS = 20
 """Runge-Kutta steps an interval, at least."""
 
 LONGEST_STEP = 0.5
-"""[s]; at rates of tenths of a radian a second its error is far below any tolerance."""
+"""[s]"""
+
+_SHARE = 0.1
+"""Of the tolerance of the attitude, what the steps alone may be wrong by."""
 
 _ROWS = 16
 """Flights in one compiled call where each has surroundings of its own."""
@@ -75,8 +78,37 @@ class PoweredFlight:
 
 
 def steps_for(manoeuvre: Manoeuvre) -> int:
-    """Runge-Kutta steps an interval of a fine flight."""
-    return max(LEAST_STEPS, math.ceil(manoeuvre.step / LONGEST_STEP - 1e-9))
+    """Runge-Kutta steps an interval of a fine flight.
+
+    More than usual where the stored momentum makes the body nutate, at w = |H| / J or less: a step
+    of h is then wrong by (w h)^5 / 120 or less.  By powers of two, for few compiled programs.
+    """
+    usual = max(LEAST_STEPS, math.ceil(manoeuvre.step / LONGEST_STEP - 1e-9))
+    if manoeuvre.end is None:
+        return usual
+    craft, start = manoeuvre.satellite.craft, manoeuvre.start
+    stored = np.asarray(craft.wheels.axes) @ (np.asarray(craft.wheels.inertia) * start.omega_bw)
+    momentum = np.linalg.norm(np.asarray(craft.inertia) @ start.omega_ib + stored)
+    nutation = momentum / np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin)).min()
+    off = manoeuvre.duration * nutation**5 * (manoeuvre.step / usual) ** 4 / 120.0
+    times = (off / (_SHARE * manoeuvre.end.attitude_tolerance)) ** (1.0 / 4.0)
+    return usual << max(0, math.ceil(math.log2(max(times, 1e-300)) - 1e-9))
+
+
+def fly_with_twice_the_steps(
+    manoeuvre: Manoeuvre, wheel_torque: Floats, dipole: Floats | None, alike: int
+) -> PoweredFlight:
+    """Fly one answer in intervals of half the length, with as many steps in each.
+
+    wheel_torque : (N, n) [N m].  dipole : (N, 3) [A m^2], or None.  alike : as in `fly_steered`.
+    """
+    steps = steps_for(manoeuvre)
+    halves = replace(manoeuvre, intervals=2 * manoeuvre.intervals)
+    rows = tuple(np.repeat(wheel_torque, 2, axis=0).T[:, None])
+    held = None if dipole is None else np.repeat(dipole, 2, axis=0)[None]
+    parts = parts_for(manoeuvre.step / steps)
+    one = np.zeros(1, int)
+    return fly_steered([halves], one, GivenTorque(), rows, held, steps, parts, alike)
 
 
 def fly(
@@ -117,16 +149,20 @@ def fly_steered(
     rows: Any,
     dipole: Any = None,
     steps: int | None = None,
+    parts: int | None = None,
+    alike: int | None = None,
 ) -> PoweredFlight:
     """Fly manoeuvres with torques that `steering` decides at the start of every interval.
 
     rows : pytree with leading axes (S, N), the steering's own data of each interval.
+    parts : of a step, in which light is summed up; `parts_for` by default.
+    alike : number of flights in the call whose compiled program this one is to share.
     Others as in `fly_many`.
     """
     of = np.asarray(of)
     steps = steps or max(steps_for(manoeuvre) for manoeuvre in manoeuvres)
     plant, count = common_plant(manoeuvres), common_intervals(manoeuvres)
-    parts = parts_for(max(manoeuvre.step for manoeuvre in manoeuvres) / steps)
+    parts = parts or parts_for(max(manoeuvre.step for manoeuvre in manoeuvres) / steps)
     padded = BLOCK * (count // BLOCK + 1)  # one interval at least begins at the end
     shared = len(manoeuvres) == 1
     once = {0: along_flight(manoeuvres[0], padded, steps, parts)} if shared else None
@@ -148,7 +184,8 @@ def fly_steered(
         ),
         "row": _padded(Row(rows, _components(dipole)), padded - count),
     }
-    size = chunk_for(len(of)) if shared else min(_ROWS, chunk_for(len(of)))
+    size = chunk_for(alike or len(of))
+    size = size if shared else min(_ROWS, size)
     key = (
         "net-power flight",
         steps,

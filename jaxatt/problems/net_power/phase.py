@@ -14,7 +14,11 @@ from jaxatt.environment.eclipse_times import Eclipse, eclipses
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.net_power.broken_margins import broken_margins
-from jaxatt.problems.net_power.flight import PoweredFlight
+from jaxatt.problems.net_power.flight import (
+    PoweredFlight,
+    fly_with_twice_the_steps,
+    steps_for,
+)
 from jaxatt.problems.net_power.found import Flown
 from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion, Satellite
@@ -22,6 +26,7 @@ from jaxatt.problems.net_power.record import Energy, NetPower
 from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
 from jaxatt.runtime.arrays import Floats
+from jaxatt.simulation.flight_error import FlightError, between
 
 _ACTIVE = 1e-3
 """Share of its limit above which a control makes an interval count as active."""
@@ -114,7 +119,9 @@ def phase_of(
     manoeuvre, solved, flight, best = flown.manoeuvre, flown.solved, flown.flight, flown.best
     series = series_of(manoeuvre, flight, best)
     verdict = flown.verdict.pick(np.array([best]))
-    reached = bool(verdict.reached[0])
+    flight_error = _flight_error(flown)
+    certain = flight_error is None or flight_error.agreed
+    reached = bool(verdict.reached[0]) and certain
     energy = energy_of_flight(manoeuvre, flight, best, baseline)
     step = float(flight.step[best])
     torque = flight.wheel_torque[best]
@@ -154,6 +161,7 @@ def phase_of(
             Status(int(solved.status[best])),
             also=flown.notes,
             broken_margins=broken_margins(manoeuvre, flight, best),
+            flight_error=flight_error,
         ),
         active=active[best].any(axis=1),
         starts=StartsRecord(
@@ -165,6 +173,7 @@ def phase_of(
             shortfall=flown.verdict.shortfall,
             distinct_minima=flown.minima,
         ),
+        flight_error=flight_error,
         section=NetPower(
             energy=energy,
             claimed=float(solved.claimed[best]),
@@ -184,6 +193,27 @@ def phase_of(
         ),
     )
     return record, Motion(*(series[name][-1] for name in ("q_ib", "omega_ib", "omega_bw")))
+
+
+def _flight_error(flown: Flown) -> FlightError | None:
+    """What the best answer's flight differs by from one with twice the steps; None without an end
+    that it should reach."""
+    manoeuvre, flight, best, given = flown.manoeuvre, flown.flight, flown.best, flown.solved.dipole
+    if manoeuvre.end is None:
+        return None
+    finer = fly_with_twice_the_steps(
+        manoeuvre,
+        flight.wheel_torque[best],
+        None if given is None else given[best],
+        len(flight.q_ib),
+    )
+    end = manoeuvre.end
+    return between(
+        (flight.q_ib[best], flight.omega_ib[best]),
+        (finer.q_ib[0, ::2], finer.omega_ib[0, ::2]),
+        2 * steps_for(manoeuvre),
+        {"attitude": end.attitude_tolerance, "rate": end.rate_tolerance},
+    )
 
 
 def _shadow(satellite: Satellite, start: float, duration: float) -> tuple[Eclipse, ...]:

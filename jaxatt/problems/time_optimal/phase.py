@@ -23,7 +23,8 @@ from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
 from jaxatt.records.phase import Phase
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
-from jaxatt.simulation.flight import MINIMUM_SUBSTEPS
+from jaxatt.simulation.flight import Trajectory, at_nodes
+from jaxatt.simulation.flight_error import fly_until_agreed
 
 _MEASURED = 4
 """Starts whose lengths of an interval say how many steps it needs."""
@@ -67,12 +68,18 @@ def time_record(
     """
     best, n = found.best, task.craft.wheels.count
     torque, step = found.controls[best], float(found.step[best])
-    flown = task.fly(torque[None], np.array([step]))
-    pointing = _pointing(task, found)
-    verdict = found.verdict.pick(np.array([best]))
-    reached = bool(verdict.reached[0])
-    effort = float(task.quadratic_effort(torque, np.asarray(step)))
+    task, between = task.with_substeps(found.substeps), task.nodes_between
     count = task.intervals
+    path, flight_error = fly_until_agreed(
+        lambda times: task.fly(torque[None], np.array([step]), times=times),
+        task.flight_steps,
+        task.tolerances,
+        count * between,
+    )
+    verdict, flown = task.judge(path, torque[None]), at_nodes(path, between)
+    pointing = _pointing(task, found, path)
+    reached = bool(verdict.reached[0]) and flight_error.agreed
+    effort = float(task.quadratic_effort(torque, np.asarray(step)))
     series = flown_series(flown)
     if n:
         series["torque_wheels"] = torque[:, :n]
@@ -111,7 +118,8 @@ def time_record(
             verdict,
             Status(int(found.status[best])),
             pointing,
-            broken_margins=_broken_speeds(task, found),
+            broken_margins=_broken_speeds(task, path),
+            flight_error=flight_error,
         ),
         active=active[best].any(axis=1),
         starts=StartsRecord(
@@ -125,6 +133,8 @@ def time_record(
             distinct_minima=found.minima,
         ),
         pointing=pointing,
+        search_steps=found.substeps,
+        flight_error=flight_error,
         section=TimeOptimum(
             effort_weight=scenario.objective.effort_weight,
             cost=float(found.cost[best]),
@@ -145,26 +155,24 @@ def time_record(
     return record, flown_end(flown, count)
 
 
-def _broken_speeds(task: ReorientationTask, found: FreeTimeFound) -> list[str]:
-    """Words on the wheels that the best answer turns too fast."""
+def _broken_speeds(task: ReorientationTask, flown: Trajectory) -> list[str]:
+    """Words on the wheels that turn too fast in a flight."""
     if not task.form.speed_limited:
         return []
-    torque, step = found.controls[found.best][None], found.step[found.best][None]
-    flown = task.fly(torque, step, between=MINIMUM_SUBSTEPS)
     wheels = task.craft.wheels
     excess = speed_excess(wheels, flown.omega_bw)[0]
     return broken_speeds(wheels, excess, Verdict.MARGIN_TOLERANCE)
 
 
-def _pointing(task: ReorientationTask, found: FreeTimeFound) -> PointingRecord | None:
-    """Record of cones and rate limits along the best answer's flight."""
+def _pointing(
+    task: ReorientationTask, found: FreeTimeFound, flown: Trajectory
+) -> PointingRecord | None:
+    """Record of cones and rate limits along the best answer's flight, with nodes between."""
     if not task.pointing:
         return None
-    torque, step = found.controls[found.best][None], found.step[found.best][None]
-    flown = task.fly(torque, step, between=MINIMUM_SUBSTEPS)
-    watch = task.watch(flown)
-    count = task.intervals * MINIMUM_SUBSTEPS
-    times = np.asarray(float(step[0]) / MINIMUM_SUBSTEPS * np.arange(count + 1))
+    watch, between = task.watch(flown), task.nodes_between
+    count = task.intervals * between
+    times = np.asarray(float(found.step[found.best]) / between * np.arange(count + 1))
     directions = np.broadcast_to(task.directions, (count + 1, *task.directions.shape))
     q = np.broadcast_to(np.asarray(flown.q_ob[0])[:, None], (*directions.shape[:2], 4))
     fixed = np.reshape([cone.boresight for cone in task.pointing.cones], (1, -1, 3))

@@ -51,6 +51,7 @@ class FreeTimeFound:
     them.  iterations : (S,).  own_error : (S,) [rad], by which the transcription's own end misses.
     long_way : (S,).  verdict : of flights with fine steps.
     constraint_margin : (m + 1,), how much stricter cones [rad] and rates were taken than they are.
+    substeps : Runge-Kutta steps an interval of the solver.
     best : index of the answer.  minima : distinct ones among the starts that converged.
     share : of all starts, those that ended at the best.
     """
@@ -67,6 +68,7 @@ class FreeTimeFound:
     own_error: Floats
     long_way: npt.NDArray[np.bool_]
     verdict: Verdict
+    substeps: int
     best: int
     minima: int
     share: float
@@ -112,7 +114,7 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     finite = np.isfinite(solution.u).all(axis=(1, 2)) & np.isfinite(solution.x).all(axis=(1, 2))
     torque = task.torques(np.nan_to_num(solution.u))
     step = np.where(finite, np.exp(np.where(finite, solution.x[:, -1, -1], 0.0)), np.nan)
-    flown = task.fly(torque, np.nan_to_num(step), between=_between(task))
+    flown = task.fly(torque, np.nan_to_num(step))
     verdict = task.judge(flown, torque)
     status = np.where(finite, solution.status, int(Status.NOT_FINITE))
     cost = task.cost(torque, step)
@@ -135,17 +137,12 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
         np.where(other, solution.violation, np.linalg.norm(turned, axis=1)),
         other,
         verdict,
+        task.form.body.substeps,
         best,
         minima,
         share,
         np.zeros(len(task.pointing.cones) + 1),
     )
-
-
-def _between(task: ReorientationTask) -> int:
-    """Nodes an interval at which a flight is judged: many where there are path constraints."""
-    form = task.form
-    return 20 if task.pointing or form.speed_limited else 1
 
 
 def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, float]:
@@ -171,7 +168,7 @@ def _between_nodes(
             return found
         index = int(ended[np.argmin(found.cost[ended])])
         torque, step = found.controls[index : index + 1], found.step[index : index + 1]
-        flown = task.fly(torque, step, between=_between(task))
+        flown = task.fly(torque, step)
         excess = task.watch(flown).excess[0]
         over = speed_excess(task.craft.wheels, flown.omega_bw)[0]
         if found.verdict.reached[index] or not max(excess.max(), over.max(initial=0.0)) > 0.0:
@@ -206,6 +203,7 @@ def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
         own_error=nothing,
         long_way=np.zeros(1, bool),
         verdict=verdict,
+        substeps=task.form.body.substeps,
         best=0,
         minima=1,
         share=1.0,

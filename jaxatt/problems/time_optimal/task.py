@@ -26,12 +26,15 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_torque
+from jaxatt.simulation.flight_error import fly_in_pieces
 from jaxatt.simulation.free_body import BodyForm, FreeBody
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _LARGEST_MRP = 3.0
 """Norm beyond which the solver's MRP change sets: 286 deg from where they are zero."""
+_FINER = 2
+"""Times the steps of the search, at least, in flights that judge."""
 _AT_REST = 1e-12
 """[N m s] Total momentum that counts as none."""
 
@@ -243,21 +246,43 @@ class ReorientationTask:
         """Torques of wheels and thrusters, (S, N, n + m) [N m], of scaled controls."""
         return self.actuation.torques(u)
 
-    def fly(self, torque: Floats, step: Floats, between: int = 1) -> Trajectory:
+    @property
+    def flight_steps(self) -> int:
+        """Runge-Kutta steps an interval of a flight."""
+        return max(MINIMUM_SUBSTEPS, _FINER * self.form.body.substeps)
+
+    @property
+    def nodes_between(self) -> int:
+        """Nodes an interval at which flights are judged: many where the way has limits."""
+        return MINIMUM_SUBSTEPS if self.pointing or self.form.speed_limited else 1
+
+    def fly(
+        self, torque: Floats, step: Floats, between: int | None = None, times: int = 1
+    ) -> Trajectory:
         """Fly torques (S, N, n + m) [N m] held for steps (S,) [s], at least 20 RK4 steps each.
 
-        between : nodes of the flight an interval.
+        between : nodes of the flight an interval; `nodes_between` by default.
+        times : how many times as many RK4 steps, for a single flight.
         """
-        substeps = -(-MINIMUM_SUBSTEPS // between)
+        between = between or self.nodes_between
+        substeps = -(-self.flight_steps // between)
         fine = np.repeat(torque, between, axis=1)
         table = tabulate(_INERTIAL, 0.0, 1.0, fine.shape[1], substeps)
-        h = np.broadcast_to(np.asarray(step, float), (len(torque),)) / (between * substeps)
-        craft, start = self.craft, self.start
-        return in_chunks(
-            lambda chunk: _fly_many(craft, start, chunk[0], table, chunk[1]),
-            (fine, h),
-            key=("fly reorientation", fine.shape[1:], substeps),
-        )
+        h = np.broadcast_to(np.asarray(step, float), (len(torque),)) / (between * substeps * times)
+        craft = self.craft
+
+        def run(start: AttitudeState, rows: Floats) -> Trajectory:
+            flown: Trajectory = in_chunks(
+                lambda chunk: _fly_many(craft, start, chunk[0], table, chunk[1]),
+                (rows, h),
+                key=("fly reorientation", rows.shape[1:], substeps),
+            )
+            return flown
+
+        if times == 1:
+            return run(self.start, fine)
+        parts = np.repeat(fine[0], times, axis=0)
+        return fly_in_pieces(lambda x, rows, _: run(x, rows[None]), self.start, parts, times)
 
     def fly_on(
         self, state: AttitudeState, torque: Floats, duration: float, steps: int

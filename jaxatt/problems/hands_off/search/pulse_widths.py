@@ -71,7 +71,7 @@ def solve_widths(
     for _ in range(_ITERATIONS):
         pulses = pulses_of(task, u, anchor)
         flown, end = task.fly_pulses(pulses, coarse=True), task.intervals
-        rows = _rows(flown.q_ob[end], flown.omega_ib[end], p)
+        rows = _rows(flown.q_ob[0, end], flown.omega_ib[0, end], p)
         left = float(np.abs(np.nan_to_num(np.asarray(rows), nan=np.inf)).max())
         if left < least:
             best, least = pulses, left

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import jax
 import numpy as np
 
 from jaxatt.problems.hands_off.search.on_off_search import nearest_pattern
@@ -18,6 +17,7 @@ from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.records.pointing import Extreme
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.simulation.flight import Trajectory
+from jaxatt.simulation.flight_error import FlightError, fly_until_agreed
 from jaxatt.simulation.pulses import Pulses, overlaps, partly_open
 
 MODES = ("pulse-width", "interval")
@@ -27,7 +27,8 @@ MODES = ("pulse-width", "interval")
 class Quantised:
     """Flight of an answer with valves that are open or shut.
 
-    mode : one of `MODES`.  pulses : the openings.  flown : the flight, nodes leading.
+    mode : one of `MODES`.  pulses : the openings.  flown : the flight, (1, nodes, ...).
+    flight_error : how wrong it can be.
     errors : "attitude" [rad] and "rate" [rad/s].  reached : whether within the task's tolerances.
     active : (N,), intervals with any torque.  on_time : (m,) [s], open time of each thruster.
     partly_open : sampled torques that are neither zero nor the limit.
@@ -38,6 +39,7 @@ class Quantised:
     mode: str
     pulses: Pulses
     flown: Trajectory
+    flight_error: FlightError
     errors: dict[str, float]
     reached: bool
     active: Flags
@@ -69,23 +71,28 @@ def quantise(
 
 def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
     """Fly pulses with fine steps and judge the flight."""
-    flown = task.fly_pulses(pulses)
-    errors = task.end_errors(flown.q_ob[None], flown.omega_ob[None])
+    flown, flight_error = fly_until_agreed(
+        lambda times: task.fly_pulses(pulses, times=times),
+        task.flights.steps,
+        task.tolerances,
+        task.intervals,
+    )
+    errors = task.end_errors(flown.q_ob, flown.omega_ob)
     found = {name: float(error[0]) for name, error in errors.items()}
     limit = np.asarray(task.craft.thrusters.torque_limit)
     _, sampled = pulses.thrust(limit)
     extremes: tuple[Extreme, ...] = ()
     if task.watches:
-        one = jax.tree.map(lambda leaf: leaf[None], flown)
-        extremes = task.watch(one).extremes(task.path_monitor.elapsed)
+        extremes = task.watch(flown).extremes(task.path_monitor.elapsed)
     arrived = all(error <= task.tolerances[name] for name, error in found.items())
     wheels = np.any(np.abs(pulses.wheel_torque) > task.threshold, axis=1)
     return Quantised(
         mode,
         pulses,
         flown,
+        flight_error,
         found,
-        arrived and all(extreme.satisfied for extreme in extremes),
+        arrived and flight_error.agreed and all(extreme.satisfied for extreme in extremes),
         np.any(pulses.on_time > 0.0, axis=1) | wheels,
         pulses.on_time.sum(axis=0),
         partly_open(sampled, limit),

@@ -10,11 +10,17 @@ from jaxatt.problems.hands_off.task import Flown
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
+from jaxatt.simulation.flight_error import fly_until_agreed
 
 
 def fly_slew(task: SlewTask, controls: Floats) -> Flown:
     """Fly torques (1, N, b) of a slew on the full model and judge the flight."""
-    flown = task.fly(controls)
+    flown, flight_error = fly_until_agreed(
+        lambda times: task.fly(controls, times),
+        task.flights.steps,
+        task.tolerances,
+        task.intervals,
+    )
     series = flown_series(flown)
     if task.craft.wheels.count:
         series["torque_body"] = task.body_torque(controls[0])
@@ -31,6 +37,7 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
         reference,
         flown_end(flown, task.intervals),
         _pointing(task, flown),
+        flight_error,
     )
 
 

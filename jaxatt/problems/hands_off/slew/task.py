@@ -8,15 +8,15 @@ from concurrent.futures import Executor
 from dataclasses import replace
 
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
 from jaxatt.attitude import errors
-from jaxatt.environment.table import EnvironmentTable, Surroundings, coarsen, tabulate
+from jaxatt.environment.table import Surroundings, coarsen, tabulate
 from jaxatt.problems.coasting import needed_substeps
 from jaxatt.problems.hands_off.printed_cost import partly_open, support_cost
 from jaxatt.problems.hands_off.slew.arguments import begin, slew_arguments, slew_parameters
+from jaxatt.problems.hands_off.slew.flights import SlewFlights
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.hands_off.slew.mounting import mounting
 from jaxatt.problems.hands_off.slew.moving_starts import moving_starts
@@ -34,15 +34,14 @@ from jaxatt.problems.pointing.watch import ObservedPath, PathMonitor
 from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Flags, Floats
-from jaxatt.runtime.chunks import CHUNK, in_chunks
-from jaxatt.runtime.compilation import Routine
+from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import RUNS_ONCE
-from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
-from jaxatt.simulation.pulse_flight import fly_pulses
-from jaxatt.simulation.pulses import Pulses, split
-from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory
+from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.vehicle import Spacecraft
 
+_FINER = 2
+"""Times the steps that the search needs, at least, in flights that judge."""
 _SMALL_GYROSCOPIC_TURN = 0.5
 """|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
 
@@ -59,17 +58,6 @@ _turn = jax.jit(errors.rotation_vector, compiler_options=RUNS_ONCE)
 def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
     """Angle [rad] and smoothed metric g (5.2) between attitudes."""
     return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
-
-
-@Routine
-def _fly_many(
-    craft: Spacecraft, start: AttitudeState, torque: Array, table: EnvironmentTable
-) -> Trajectory:
-    return jax.vmap(lambda one: fly_torque(craft, start, one, table))(torque)
-
-
-_fly_pulses = jax.jit(fly_pulses, static_argnums=6)
-_COARSE_PIECES = 4
 
 
 class SlewTask(SparseTask):
@@ -103,10 +91,12 @@ class SlewTask(SparseTask):
         self.craft, self.initial_state, self.target, self.goal = craft, initial_state, target, goal
         self.grid, self.waypoint, self.axes = grid, waypoint, axes
         self.intervals, self.step = grid.intervals, grid.step
-        substeps = grid.substeps or needed_substeps(
+        self.needed_substeps = needed_substeps(
             craft, initial_state, target, surroundings, grid.step, grid.intervals
         )
-        fine = substeps * int(np.ceil(MINIMUM_SUBSTEPS / substeps))
+        substeps = grid.substeps or self.needed_substeps
+        fine = max(MINIMUM_SUBSTEPS, _FINER * self.needed_substeps)
+        fine = substeps * int(np.ceil(fine / substeps))
         self.table = tabulate(
             surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
         )
@@ -120,6 +110,9 @@ class SlewTask(SparseTask):
         self.constraint_margin: Floats | None = None
         self.judges_path = True
         self.path_monitor = PathMonitor(self.table, pointing, grid.start_time)
+        self.flights = SlewFlights(
+            craft, self.start, surroundings, grid, self.path_monitor, substeps
+        )
         self.mounting = mounting(craft, axes)
         self.scale = self.mounting.scale
         self.size = len(self.scale)
@@ -225,52 +218,21 @@ class SlewTask(SparseTask):
         """Torque of the thrusters in body axes, (..., N, 3) [N m]."""
         return np.asarray(controls @ self.mounting.to_external.T)
 
-    def fly(self, controls: Floats) -> Trajectory:
-        """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast."""
-        start, craft, every = self.start, self.craft, self.path_monitor.every
-        watched = self.watches
-        table = self.path_monitor.fine if watched else self.table
+    def fly(self, controls: Floats, times: int = 1) -> Trajectory:
+        """Fly (S, N, b) torques on the full model with at least 20 substeps, then coast.
+
+        times : how many times as many substeps, for a single flight.
+        """
         torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
-        if watched:
-            torque = np.repeat(torque, every, axis=1)
-        flown: Trajectory = in_chunks(
-            lambda chunk: _fly_many(craft, start, chunk, table),
-            torque,
-            key=("fly", torque.shape[1:], table.stages.gradient.shape),
-        )
-        return at_nodes(flown, every) if watched else flown
+        return self.flights.torques(torque, self.watches, times)
 
     def begin_verifying(self, pool: Executor) -> None:
         """Compile ahead what `fly` runs."""
-        every = self.path_monitor.every if self.watches else 1
-        table = self.path_monitor.fine if self.watches else self.table
-        torque = np.zeros((CHUNK, self.intervals * every, self.craft.actuators))
-        _fly_many.begin(pool, self.craft, self.start, torque, table)
+        self.flights.begin(pool, self.watches)
 
-    def fly_pulses(self, pulses: Pulses, coarse: bool = False) -> Trajectory:
-        """Fly openings of valves at their exact times on the full model, then coast.
-
-        coarse : with few Runge-Kutta steps, for iterations; at least 20 an interval otherwise.
-        """
-        table, pieces = self.table, _COARSE_PIECES if coarse else MINIMUM_SUBSTEPS
-        watched = self.watches and not coarse
-        if watched:
-            pulses, table, pieces = (
-                split(pulses, self.path_monitor.every),
-                self.path_monitor.fine,
-                1,
-            )
-        flown: Trajectory = _fly_pulses(
-            self.craft,
-            self.start,
-            jnp.asarray(pulses.wheel_torque),
-            jnp.asarray(pulses.opens),
-            jnp.asarray(pulses.shuts),
-            table,
-            pieces,
-        )
-        flown = jax.tree.map(np.asarray, flown)
-        return at_nodes(flown, self.path_monitor.every) if watched else flown
+    def fly_pulses(self, pulses: Pulses, coarse: bool = False, times: int = 1) -> Trajectory:
+        """Fly openings of valves at their exact times; see `SlewFlights.pulses`."""
+        return self.flights.pulses(pulses, self.watches, coarse, times)
 
     @property
     def tolerances(self) -> dict[str, float]:

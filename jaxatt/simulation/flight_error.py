@@ -1,0 +1,140 @@
+"""How wrong a flight can be: it is flown again with more steps, until two flights agree.
+
+The finer flight runs the same compiled program: every interval is cut into equal parts, and the
+flight into as many pieces, each of which has as many parts as the flight had intervals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import jax
+import numpy as np
+
+from jaxatt.runtime.arrays import Floats
+from jaxatt.simulation.flight import Trajectory, at_nodes
+from jaxatt.spacecraft.dynamics import AttitudeState
+
+_AGREE = 0.1
+"""Of the tolerances at the end, what two flights may differ by."""
+_MOST = 64
+"""Times as many steps as the first flight, at most."""
+
+
+States = tuple[Floats, Floats]
+"""Attitudes (nodes, 4) and rates (nodes, 3) [rad/s]."""
+
+
+@dataclass(frozen=True)
+class FlightError:
+    """Largest difference between the two finest flights of one answer, at any node.
+
+    attitude : [rad].  rate : [rad/s].  steps : Runge-Kutta steps an interval of the finest, which
+    is the one that is judged and has a sixteenth of that error.  agreed : whether the difference is
+    below a tenth of the tolerances; no answer counts as reached where it is not.
+    """
+
+    attitude: float
+    rate: float
+    steps: int
+    agreed: bool
+
+    @property
+    def named(self) -> dict[str, float]:
+        """The differences under the names of errors: "attitude" [rad] and "rate" [rad/s]."""
+        return {"attitude": self.attitude, "rate": self.rate}
+
+
+def fly_until_agreed(
+    fly: Callable[[int], Trajectory], steps: int, tolerances: Mapping[str, float], end: int
+) -> tuple[Trajectory, FlightError]:
+    """Fly one answer with twice as many steps, until that changes it by less than a tenth of the
+    tolerances.
+
+    fly : from how many times as many steps to the flight, (1, nodes, ...).  steps : Runge-Kutta
+    steps an interval of `fly(1)`.  tolerances : "attitude" [rad] and "rate" [rad/s].
+    end : the last node that counts.
+
+    Returns the finest flight, and what it differs by from the one before.
+    """
+    times, coarse = 1, fly(1)
+    while True:
+        times *= 2
+        fine = fly(times)
+        error = between(_until(coarse, end), _until(fine, end), times * steps, tolerances)
+        if error.agreed or times >= _MOST:
+            return fine, error
+        coarse = fine
+
+
+def _until(flown: Trajectory, end: int) -> States:
+    """Attitudes and rates of the first flight, up to a node."""
+    return np.asarray(flown.q_ob)[0, : end + 1], np.asarray(flown.omega_ob)[0, : end + 1]
+
+
+def between(
+    coarse: States, fine: States, steps: int, tolerances: Mapping[str, float]
+) -> FlightError:
+    """Error of a flight from one with half as many steps.
+
+    coarse, fine : attitudes (nodes, 4) and rates (nodes, 3) [rad/s].  steps : those of the finer.
+    tolerances : "attitude" [rad] and "rate" [rad/s].
+    """
+    attitude, rate = _apart(coarse, fine)
+    agreed = attitude <= _AGREE * tolerances["attitude"] and rate <= _AGREE * tolerances["rate"]
+    return FlightError(attitude, rate, steps, agreed)
+
+
+def _apart(a: States, b: States) -> tuple[float, float]:
+    """Largest angle [rad] and difference of rates [rad/s]; infinite where not a number."""
+    p, q = np.asarray(a[0]), np.asarray(b[0])
+    same = np.where(np.sum(p * q, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+    chord = np.linalg.norm(p - same * q, axis=-1)
+    angle = 4.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
+    rate = np.linalg.norm(np.asarray(a[1]) - np.asarray(b[1]), axis=-1)
+    worst = [float(np.nan_to_num(x, nan=np.inf, posinf=np.inf).max()) for x in (angle, rate)]
+    return worst[0], worst[1]
+
+
+def fly_in_pieces(
+    fly: Callable[[AttitudeState, Any, int], Trajectory],
+    start: AttitudeState,
+    rows: Any,
+    times: int,
+) -> Trajectory:
+    """Fly one answer with so many times as many steps, piece by piece.
+
+    fly : (state, rows of this piece, number of the piece) -> its flight, (1, nodes, ...).
+    rows : pytree that leads with the parts of all intervals, `times` as many as there are
+    intervals.
+
+    Returns the flight at the ends of the intervals.
+    """
+    count = len(jax.tree.leaves(rows)[0]) // times
+    pieces = []
+    for number in range(times):
+        here = slice(number * count, (number + 1) * count)
+        piece = fly(start, jax.tree.map(lambda leaf, k=here: leaf[k], rows), number)
+        start = AttitudeState(*(np.asarray(x)[0, -1] for x in _state(piece)))
+        pieces.append(piece)
+    return at_nodes(_joined(pieces), times)
+
+
+def _state(flown: Trajectory) -> tuple[Any, Any, Any]:
+    return flown.q_ob, flown.omega_ib, flown.omega_bw
+
+
+def _joined(pieces: list[Trajectory]) -> Trajectory:
+    """Flights (1, nodes, ...) that begin where the one before ended, as one."""
+
+    def nodes(name: str) -> Any:
+        parts = [np.asarray(getattr(piece, name)) for piece in pieces]
+        return np.concatenate([parts[0], *(part[:, 1:] for part in parts[1:])], axis=1)
+
+    def held(name: str) -> Any:
+        return np.concatenate([np.asarray(getattr(piece, name)) for piece in pieces], axis=1)
+
+    at = {name: nodes(name) for name in ("q_ob", "omega_ob", "omega_bw", "omega_ib")}
+    return Trajectory(**at, wheel_torque=held("wheel_torque"), thrust=held("thrust"))
