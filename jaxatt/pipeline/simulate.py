@@ -13,6 +13,7 @@ from jaxatt import scenarios
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.environment.table import tabulate
 from jaxatt.pipeline.solve import solve, versions
+from jaxatt.pipeline.step_check import check_steps
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.heading import MOST_SEED
@@ -71,6 +72,8 @@ def simulate(
     drawn = (spread or flight.spread) if runs is not None else None
     progress = None if report is None else (lambda done: report("flying", done))
     flown = fly_runs(shared, start, chosen, count, number, drawn, progress)
+    nominal = flown if drawn is None else fly_runs(shared, start, chosen, 1, number, alike=count)
+    error, notes = check_steps(flight, chosen, nominal, number, plan)
     total = time.perf_counter() - began
     compiling = compile_seconds() - compiled
     return FlightResult(
@@ -83,6 +86,8 @@ def simulate(
         time={"compile": compiling, "simulate": max(0.0, total - compiling)},
         device=str(jax.devices()[0].device_kind),
         versions=versions(),
+        flight_error=error,
+        notes=notes,
     )
 
 

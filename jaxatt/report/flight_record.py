@@ -12,6 +12,7 @@ from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Spread
 from jaxatt.simulation.closed_loop import FLYING, NOT_FINITE, TUMBLING, Flown
+from jaxatt.simulation.flight_error import FlightError
 
 PERCENTILES = (5.0, 25.0, 50.0, 75.0, 95.0)
 
@@ -28,6 +29,8 @@ class FlightRecord:
 
     law : its name in the scenario.  flown : arrays with leading axis R.
     reference : (records, 4), asked attitude q_d.  spread : None for the nominal run.
+    flight_error : what half the Runge-Kutta step changes in the nominal run; None where that
+    diverges.  notes : words on steps that are too long.
     """
 
     scenario: FlightScenario
@@ -39,6 +42,8 @@ class FlightRecord:
     time: Mapping[str, float]
     device: str
     versions: Mapping[str, str]
+    flight_error: FlightError | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def runs(self) -> int:

@@ -23,6 +23,7 @@ def units(result: FlightRecord) -> tuple[str, float]:
 def flight_summary(result: FlightRecord) -> dict[str, Any]:
     """Percentiles over the runs that flew to the end, and the number of failures by cause."""
     unit, factor = units(result)
+    error = result.flight_error
     settling = result.figure("settling")
     rms, final = factor * result.figure("rms"), factor * np.abs(result.figure("final"))
     peak = result.figure("peak")
@@ -49,12 +50,14 @@ def flight_summary(result: FlightRecord) -> dict[str, Any]:
         f"final_{unit}": {axis: _percentiles(final[:, i]) for i, axis in enumerate(CHANNELS)},
         "integral_Nms": _percentiles(result.figure("integral")),
         "peak_Nm": {axis: _percentiles(peak[:, i]) for i, axis in enumerate(AXES)},
+        "flight_error_deg": None if error is None else math.degrees(error.attitude),
+        "flight_error_rad_s": None if error is None else error.rate,
         "spread": None if result.spread is None else asdict(result.spread),
         "seed": result.seed,
         "time_s": dict(result.time),
         "device": result.device,
         "versions": dict(result.versions),
-        "notes": list(result.scenario.notes),
+        "notes": [*result.scenario.notes, *result.notes],
     }
     return found
 

@@ -112,11 +112,13 @@ def fly_runs(
     seed: int = 0,
     spread: Spread | None = None,
     progress: Progress | None = None,
+    alike: int | None = None,
 ) -> Flown:
     """Fly `runs` runs of a flight; run i depends on the seed and on i only.
 
     spread : None flies the nominal case in every run, with noise of its own.
     progress : called by the host with the number of runs that have just ended.
+    alike : number of runs of the campaign whose compiled program this one is to share.
 
     Raises `ValueError` where a gain has the wrong sign or shape.
     """
@@ -132,7 +134,8 @@ def fly_runs(
     begin = tuple(jnp.asarray(v) for v in (start.q_ob, start.omega_ob, start.omega_bw))
     gains = jax.tree.map(jnp.asarray, law)
     # Few sizes of chunks, so that other numbers of runs find the program compiled.
-    rows = 1 if runs == 1 else 16 if runs <= 32 else chunk_for(max(runs, 64 * workers()))
+    size = alike or runs
+    rows = 1 if size == 1 else 16 if size <= 32 else chunk_for(max(size, 64 * workers()))
     flown: Flown = in_chunks(
         lambda chunk: _runs(sizes, shared, begin, gains, chunk), data, rows, progress
     )

@@ -6,6 +6,7 @@ flight into as many pieces, each of which has as many parts as the flight had in
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -13,18 +14,16 @@ from typing import Any
 import jax
 import numpy as np
 
-from jaxatt.runtime.arrays import Floats
-from jaxatt.simulation.flight import Trajectory, at_nodes
+from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes
+from jaxatt.simulation.step_error import States, states_apart
 from jaxatt.spacecraft.dynamics import AttitudeState
 
-_AGREE = 0.1
+AGREE = 0.1
 """Of the tolerances at the end, what two flights may differ by."""
 _MOST = 64
 """Times as many steps as the first flight, at most."""
-
-
-States = tuple[Floats, Floats]
-"""Attitudes (nodes, 4) and rates (nodes, 3) [rad/s]."""
+_FINER = 2
+"""Times the steps that a search needs, at least, in flights that judge its answers."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +44,15 @@ class FlightError:
     def named(self) -> dict[str, float]:
         """The differences under the names of errors: "attitude" [rad] and "rate" [rad/s]."""
         return {"attitude": self.attitude, "rate": self.rate}
+
+
+def judging_steps(needed: int) -> int:
+    """Runge-Kutta steps an interval of flights that judge, for a search that needs so many.
+
+    Doubled as often as it takes, so that there are few compiled programs.
+    """
+    times = _FINER * needed / MINIMUM_SUBSTEPS
+    return MINIMUM_SUBSTEPS << max(0, math.ceil(math.log2(times)))
 
 
 def fly_until_agreed(
@@ -82,20 +90,9 @@ def between(
     coarse, fine : attitudes (nodes, 4) and rates (nodes, 3) [rad/s].  steps : those of the finer.
     tolerances : "attitude" [rad] and "rate" [rad/s].
     """
-    attitude, rate = _apart(coarse, fine)
-    agreed = attitude <= _AGREE * tolerances["attitude"] and rate <= _AGREE * tolerances["rate"]
+    attitude, rate = states_apart(coarse, fine)
+    agreed = attitude <= AGREE * tolerances["attitude"] and rate <= AGREE * tolerances["rate"]
     return FlightError(attitude, rate, steps, agreed)
-
-
-def _apart(a: States, b: States) -> tuple[float, float]:
-    """Largest angle [rad] and difference of rates [rad/s]; infinite where not a number."""
-    p, q = np.asarray(a[0]), np.asarray(b[0])
-    same = np.where(np.sum(p * q, axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
-    chord = np.linalg.norm(p - same * q, axis=-1)
-    angle = 4.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
-    rate = np.linalg.norm(np.asarray(a[1]) - np.asarray(b[1]), axis=-1)
-    worst = [float(np.nan_to_num(x, nan=np.inf, posinf=np.inf).max()) for x in (angle, rate)]
-    return worst[0], worst[1]
 
 
 def fly_in_pieces(

@@ -15,6 +15,9 @@ import numpy as np
 from jaxatt.attitude.host_vectors import cross
 from jaxatt.runtime.arrays import Floats
 
+States = tuple[Floats, Floats]
+"""Attitudes (..., 4) and rates (..., 3) [rad/s]."""
+
 _MEASURED = 20
 """Intervals that are integrated; over more of them errors are taken to add up alike."""
 _MOST = 128
@@ -76,11 +79,22 @@ def _ended(y: Floats, inverse: Floats, step: float, intervals: int, steps: int) 
     return y
 
 
+def states_apart(a: States, b: States) -> tuple[float, float]:
+    """Largest angle [rad] and difference of rates [rad/s] between states.
+
+    Infinite where one is not a number, as too few steps may leave it.
+    """
+    with np.errstate(all="ignore"):
+        same = np.where(np.sum(a[0] * b[0], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+        chord = np.linalg.norm(a[0] - same * b[0], axis=-1)
+        angle = 4.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
+        rate = np.linalg.norm(a[1] - b[1], axis=-1)
+    worst = [float(np.nan_to_num(x, nan=np.inf, posinf=np.inf).max()) for x in (angle, rate)]
+    return worst[0], worst[1]
+
+
 def _apart(a: Floats, b: Floats, tolerance: tuple[float, float]) -> float:
-    """Largest difference between states, in units of the tolerances."""
-    same = np.sign(np.sum(a[:, :4] * b[:, :4], axis=1, keepdims=True))
-    chord = np.linalg.norm(a[:, :4] - same * b[:, :4], axis=1)
-    angle = 4.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
-    rate = np.linalg.norm(a[:, 4:7] - b[:, 4:7], axis=1)
-    off = np.maximum(angle / tolerance[0], rate / tolerance[1])
-    return float(np.max(np.nan_to_num(off, nan=np.inf, posinf=np.inf)))
+    """Largest difference between states (S, 10), in units of the tolerances."""
+    parts = ((y[:, :4], y[:, 4:7]) for y in (a, b))
+    angle, rate = states_apart(*parts)
+    return max(angle / tolerance[0], rate / tolerance[1])

@@ -26,15 +26,13 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_torque
-from jaxatt.simulation.flight_error import fly_in_pieces
+from jaxatt.simulation.flight_error import fly_in_pieces, judging_steps
 from jaxatt.simulation.free_body import BodyForm, FreeBody
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _LARGEST_MRP = 3.0
 """Norm beyond which the solver's MRP change sets: 286 deg from where they are zero."""
-_FINER = 2
-"""Times the steps of the search, at least, in flights that judge."""
 _AT_REST = 1e-12
 """[N m s] Total momentum that counts as none."""
 
@@ -249,7 +247,7 @@ class ReorientationTask:
     @property
     def flight_steps(self) -> int:
         """Runge-Kutta steps an interval of a flight."""
-        return max(MINIMUM_SUBSTEPS, _FINER * self.form.body.substeps)
+        return judging_steps(self.form.body.substeps)
 
     @property
     def nodes_between(self) -> int:

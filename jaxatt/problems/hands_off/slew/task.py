@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import functools
+import math
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -36,12 +37,11 @@ from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.settings import RUNS_ONCE
-from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory
+from jaxatt.simulation.flight import Trajectory
+from jaxatt.simulation.flight_error import judging_steps
 from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.vehicle import Spacecraft
 
-_FINER = 2
-"""Times the steps that the search needs, at least, in flights that judge."""
 _SMALL_GYROSCOPIC_TURN = 0.5
 """|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
 
@@ -95,8 +95,7 @@ class SlewTask(SparseTask):
             craft, initial_state, target, surroundings, grid.step, grid.intervals
         )
         substeps = grid.substeps or self.needed_substeps
-        fine = max(MINIMUM_SUBSTEPS, _FINER * self.needed_substeps)
-        fine = substeps * int(np.ceil(fine / substeps))
+        fine = substeps * math.ceil(judging_steps(self.needed_substeps) / substeps)
         self.table = tabulate(
             surroundings, grid.start_time, grid.step, grid.intervals + grid.coast, fine
         )
