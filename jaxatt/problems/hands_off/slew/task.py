@@ -41,6 +41,7 @@ from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly
 from jaxatt.simulation.pulse_flight import fly_pulses
 from jaxatt.simulation.pulses import Pulses, split
 from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.scale import IDLE_SHARE, least_torque_limit
 from jaxatt.spacecraft.vehicle import Spacecraft
 
 _SMALL_GYROSCOPIC_TURN = 0.5
@@ -82,7 +83,7 @@ class SlewTask(SparseTask):
     pointing : cones and rate limits; left to the verdict until `enforcing` puts them in the way.
     """
 
-    threshold = 1e-6
+    threshold = IDLE_SHARE
     ways = (1.0, -1.0)
 
     def __init__(
@@ -197,9 +198,8 @@ class SlewTask(SparseTask):
     def to_controls(self, u: Floats | Array) -> Floats:
         """Torques in the optimisation's axes [N m], clipped to limits and thresholded."""
         bounded = np.clip(np.asarray(u, float), self.mounting.lower, self.mounting.upper)
-        torque = bounded * self.scale
-        size = _largest(torque) if self.shared else np.abs(torque)
-        torque = np.where(size <= self.threshold, 0.0, torque)
+        size = _largest(bounded) if self.shared else np.abs(bounded)
+        torque = np.where(size <= self.threshold, 0.0, bounded * self.scale)
         if self.craft.wheels.count == 0:
             return np.asarray(torque)
         relative = self.wheel_torque(torque) / np.asarray(self.craft.wheels.torque_limit)
@@ -311,6 +311,7 @@ class SlewTask(SparseTask):
             tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2))),
             np.maximum(path, speed * self.judges_path),
+            least_torque_limit(self.craft),
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:
