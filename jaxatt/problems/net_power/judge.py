@@ -85,7 +85,12 @@ def _floor(manoeuvre: Manoeuvre, flown: PoweredFlight) -> Floats:
     missing = np.maximum(manoeuvre.floor - flown.energy.least_charge, 0.0)
     if not np.isfinite(manoeuvre.floor):
         return np.zeros(len(missing))
-    scale = flown.energy.capacity
-    if not np.isfinite(scale):
-        scale = max(abs(manoeuvre.floor), abs(manoeuvre.charge), np.finfo(float).tiny)
-    return _finite(missing / scale)
+    return _finite(missing / charge_scale(manoeuvre, flown))
+
+
+def charge_scale(manoeuvre: Manoeuvre, flown: PoweredFlight) -> float:
+    """Charge [J] against which what is missing to the battery's floor is small or large."""
+    capacity = float(flown.energy.capacity)
+    if np.isfinite(capacity):
+        return capacity
+    return max(abs(manoeuvre.floor), abs(manoeuvre.charge), float(np.finfo(float).tiny))
