@@ -30,6 +30,7 @@ CASES = {
     "net power": ("hypso1-netpower", {"horizon.intervals": 20}, 4),
 }
 """Slews are disturbed, and wheels store momentum where time counts."""
+LONG = ("printed cost", "net power")
 GIVEN = {
     "disturbances.sinusoidal_torque_Nm": 1,
     "objective.epsilon_Nm": 1,
@@ -64,7 +65,9 @@ def multiplied(scenario, factor):
     return scenarios.replace(scenario, changes)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CASES]
+)
 def test_the_same_motion_with_torques_in_proportion_and_nothing_compiled_again(name, compilations):
     """From 1e-6 to 1e6 times a vehicle, whatever the objective."""
     base = case(name)
@@ -77,9 +80,10 @@ def test_the_same_motion_with_torques_in_proportion_and_nothing_compiled_again(n
         assert phase.reached, f"times {factor:.3g}: {phase.failure_reason}"
         np.testing.assert_array_equal(phase.active, want.active)
         assert phase.final_time == pytest.approx(want.final_time, rel=1e-9)
-        assert phase.l1_effort == pytest.approx(factor * want.l1_effort, rel=1e-6)
         torque = factor * want.controls
-        np.testing.assert_allclose(phase.controls, torque, rtol=0, atol=1e-4 * torque.max())
+        if name != "least time":  # which leaves open what the wheel does that is not short of time
+            assert phase.l1_effort == pytest.approx(factor * want.l1_effort, rel=1e-6)
+            np.testing.assert_allclose(phase.controls, torque, rtol=0, atol=1e-4 * torque.max())
         assert phase.starts.distinct_minima == want.starts.distinct_minima
         if name == "net power":
             assert phase.section.energy.net == pytest.approx(
