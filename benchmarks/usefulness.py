@@ -22,14 +22,13 @@ EXCESS = 1e-9
 
 
 def thresholded(task: SparseTask, controls: Floats) -> Floats:
-    """Controls (S, N, b) with intervals at or below the task's threshold set to zero."""
-    size = np.abs(controls).max(axis=-1, keepdims=True)
-    return np.where(size <= task.threshold, 0.0, controls)
+    """Controls (S, N, b) with intervals whose controls all count as zero set to that."""
+    return np.where(task.active(controls).any(axis=-1, keepdims=True), controls, 0.0)
 
 
 def active_intervals(task: SparseTask, controls: Floats) -> npt.NDArray[np.int64]:
-    """Intervals with a control above the threshold, (S,)."""
-    return np.asarray((thresholded(task, controls) != 0.0).any(axis=-1).sum(axis=-1))
+    """Intervals with a control that counts as more than zero, (S,)."""
+    return np.asarray(task.active(controls).any(axis=-1).sum(axis=-1))
 
 
 def reaching(task: SparseTask, controls: Floats) -> npt.NDArray[np.bool_]:

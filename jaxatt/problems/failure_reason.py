@@ -39,7 +39,7 @@ def failure_reason(
         for name, error in verdict.errors.items()
         if not error[0] <= verdict.tolerances[name]
     ]
-    if verdict.limit_violation[0] > Verdict.LIMIT_TOLERANCE:
+    if not verdict.within_limits[0]:
         missed.append(f"a control limit is exceeded by {verdict.limit_violation[0]:.3g}")
     broken = [] if pointing is None else [e for e in pointing.extremes if not e.satisfied]
     missed += [broken_limit(extreme) for extreme in broken]

@@ -18,20 +18,27 @@ class Verdict:
     errors : name -> (S,) error, e.g. "attitude" [rad]; tolerances : name -> allowed error.
     limit_violation : (S,) largest excess over a control limit, in units of the controls.
     margin_violation : (S,) largest violation of a path constraint, relative to its limit.
+    least_limit : smallest of the control limits, against which an excess is rounding.
     """
 
     errors: dict[str, Floats]
     tolerances: dict[str, float]
     limit_violation: Floats
     margin_violation: Floats
+    least_limit: float = 1.0
 
     LIMIT_TOLERANCE = 1e-9
     MARGIN_TOLERANCE = 1e-6
 
     @property
+    def within_limits(self) -> npt.NDArray[np.bool_]:
+        """Whether all controls are within their limits, to rounding, (S,)."""
+        return self.limit_violation <= self.LIMIT_TOLERANCE * self.least_limit
+
+    @property
     def arrives(self) -> npt.NDArray[np.bool_]:
         """Whether all errors and control limits are within tolerance, whatever the path, (S,)."""
-        ok = self.limit_violation <= self.LIMIT_TOLERANCE
+        ok = self.within_limits
         for name, error in self.errors.items():
             ok &= error <= self.tolerances[name]
         return ok
@@ -48,6 +55,7 @@ class Verdict:
             self.tolerances,
             self.limit_violation[rows],
             self.margin_violation[rows],
+            self.least_limit,
         )
 
     @staticmethod
@@ -58,6 +66,7 @@ class Verdict:
             parts[0].tolerances,
             np.concatenate([p.limit_violation for p in parts]),
             np.concatenate([p.margin_violation for p in parts]),
+            parts[0].least_limit,
         )
 
     @property

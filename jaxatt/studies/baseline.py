@@ -19,7 +19,7 @@ from jaxatt.runtime.arrays import Flags
 class FlownPD:
     """Result of one phase under the PD law.
 
-    active : (N,), intervals whose mean body torque is above the threshold of 1e-6 N m.
+    active : (N,), intervals with a mean torque that counts as more than zero.
     errors : name -> number, as in `jaxatt.records.phase.Phase`.
     l1_effort : L1 effort of the mean body torques [N m s].  cost : the printed cost.
     """
@@ -49,12 +49,11 @@ def fly_pd_phases(scenario: Scenario, clipped: bool = True) -> tuple[FlownPD, ..
             *(np.asarray(part[end]) for part in (flown.q_ob, flown.omega_ob, flown.omega_bw))
         )
         controls = flown_controls(task, flown)[None]
-        body = np.concatenate([task.body_torque(controls), task.thrust(controls)], axis=-1)
         batch = jax.tree.map(lambda leaf: leaf[None], flown)
         verdict, cost = task.judge(batch, controls), task.cost(batch, controls)
         phases.append(
             FlownPD(
-                active=(np.abs(body[0]) > task.threshold).any(axis=1),
+                active=np.any(task.active(controls[0]), axis=1),
                 errors={name: float(error[0]) for name, error in verdict.errors.items()},
                 l1_effort=float(task.l1_effort(controls)[0]),
                 cost=float(sum(part[0] for part in cost.values())),

@@ -59,7 +59,7 @@ def eigenaxis_on_time(craft: Spacecraft, turn: Floats, duration: float) -> float
     ahead = np.maximum(pushes, 0.0).sum(axis=1)
     back = np.maximum(-pushes, 0.0).sum(axis=1)
     reach = np.where(wanted > 0.0, ahead, back)
-    needed = np.abs(wanted) > 1e-12
+    needed = np.abs(wanted) > 1e-12 * np.abs(wanted).max()
     acceleration = float((reach[needed] / np.abs(wanted[needed])).min())
     return _open_time(float(np.linalg.norm(turn)), acceleration, duration)
 

@@ -59,7 +59,7 @@ def better_rows(rows: Sequence[Weighed]) -> list[int]:
     mixed = (cost - weight * time)[None] + weight[:, None] * time[None]
     own = np.arange(len(rows))
     best = mixed.argmin(axis=1)
-    gains = mixed[own, own] - mixed[own, best] > _SAME * np.maximum(1.0, np.abs(cost))
+    gains = mixed[own, own] - mixed[own, best] > _SAME * np.abs(cost)
     return [int(index) for index in np.where(gains, best, own)]
 
 
@@ -101,7 +101,7 @@ def _monotone(rows: Sequence[Weighed]) -> str:
 
 def _agreement(rows: Sequence[Weighed], claimed: Sequence[float]) -> str:
     shares = [
-        abs(own - row.net_J) / max(1e-12, abs(row.net_J))
+        abs(own - row.net_J) / max(np.finfo(float).tiny, abs(row.net_J))
         for row, own in zip(rows, claimed, strict=True)
     ]
     return (

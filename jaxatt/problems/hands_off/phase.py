@@ -73,7 +73,7 @@ def _flown_phase(
     record = StartsRecord(
         status=starts.status,
         reached=starts.verdict.reached,
-        active_intervals=(np.abs(starts.controls) > task.threshold).any(axis=2).sum(axis=1),
+        active_intervals=task.active(starts.controls).any(axis=2).sum(axis=1),
         effort=task.l1_effort(starts.controls),
         long_way=starts.sign < 0,
         iterations=starts.iterations,
@@ -97,7 +97,7 @@ def _flown_phase(
         l1_effort=float(task.l1_effort(controls)[0]),
         reached=reached,
         failure_reason="" if reached else _failure_reason(task, answer, flown),
-        active=(np.abs(controls[0]) > task.threshold).any(axis=1),
+        active=np.any(task.active(controls[0]), axis=1),
         starts=record,
         pointing=flown.pointing,
         search_steps=task.substeps,

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.verdict import Verdict
@@ -83,7 +84,7 @@ class SparseTask(ABC):
     size: int
     step: float
     threshold: float
-    """Controls at or below this count as zero (Schaanning 2021, definition 5.1.1)."""
+    """Scaled controls at or below this count as zero (Schaanning 2021, definition 5.1.1)."""
 
     substeps: int = 1
     """Runge-Kutta steps an interval of the search."""
@@ -132,6 +133,11 @@ class SparseTask(ABC):
     @abstractmethod
     def from_controls(self, controls: Floats) -> Floats:
         """Scaled controls from the system's controls; inverse of `to_controls`."""
+
+    def active(self, controls: Floats) -> Mask:
+        """Whether each of the system's controls (..., N, b) counts as more than zero."""
+        above: Mask = np.abs(self.from_controls(controls)) > self.threshold
+        return above
 
     @abstractmethod
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:

@@ -116,9 +116,8 @@ def flown_again(manoeuvre: Manoeuvre, solved: Solved) -> Flown:
     flight = fly(manoeuvre, solved.torque, solved.dipole)
     verdict = judge_flight(manoeuvre, flight, solved.dipole is not None)
     score = flight.energy.net_J - printed_cost(manoeuvre, flight)
-    scale = float(np.nanmax(np.abs(flight.energy.solar_J), initial=1.0))
     weighed = manoeuvre.terminal == "penalty"
-    return ranked(manoeuvre, solved, flight, verdict, score, scale, weighed)
+    return ranked(manoeuvre, solved, flight, verdict, score, flight.energy.turnover, weighed)
 
 
 def held(task: Task, manoeuvre: Manoeuvre) -> Flown:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.problems.net_power.flight import PoweredFlight
+from jaxatt.problems.net_power.judge import charge_scale
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.verdict import Verdict
 
@@ -23,10 +24,9 @@ def broken_margins(manoeuvre: Manoeuvre, flight: PoweredFlight, row: int) -> lis
         f"{100.0 * over[index]:.3g} %"
         for index in np.flatnonzero(over > Verdict.MARGIN_TOLERANCE)
     ]
-    charge, capacity = flight.energy.charge[row], flight.energy.capacity
+    charge = flight.energy.charge[row]
     missing = manoeuvre.floor - float(flight.energy.least_charge[row])
-    scale = capacity if np.isfinite(capacity) else max(1.0, abs(manoeuvre.floor))
-    if missing > Verdict.MARGIN_TOLERANCE * scale:
+    if missing > Verdict.MARGIN_TOLERANCE * charge_scale(manoeuvre, flight):
         time = float(flight.step[row]) * int(np.argmin(charge))
         found.append(
             f"the battery falls {missing / _JOULE:.3g} Wh below its floor of "

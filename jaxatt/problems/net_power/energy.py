@@ -52,6 +52,12 @@ class EnergyAccount:
         return self.loads.sum(axis=1)
 
     @property
+    def turnover(self) -> float:
+        """Largest energy that a flight gained, or spent on actuators, [J]."""
+        spent = np.abs(self.wheels_J) + np.abs(self.magnetorquers_J)
+        return float(np.nanmax(np.maximum(np.abs(self.solar_J), spent), initial=0.0))
+
+    @property
     def net_J(self) -> Floats:
         """Gained less spent, (S,) [J], as if the battery were never full."""
         return self.net.sum(axis=1)

@@ -15,7 +15,7 @@ from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Flags, Floats
 
 SAME = 1e-4
-"""Difference of net energies, as a share of the solar energy, up to which two are one minimum."""
+"""Difference of net energies, as a share of what is gained, up to which two are one minimum."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,12 +115,11 @@ def ranked(
     usable = np.where(np.isfinite(score), score, -np.inf)
     missed = np.where(verdict.reached, 0.0, np.maximum(1.0, verdict.shortfall))
     if weighed:
-        kept = verdict.limit_violation <= verdict.LIMIT_TOLERANCE
-        kept &= verdict.margin_violation <= verdict.MARGIN_TOLERANCE
+        kept = verdict.within_limits & (verdict.margin_violation <= verdict.MARGIN_TOLERANCE)
         missed = np.where(kept, 0.0, missed)
     # Of answers that do not reach the nearest; of those that violate a limit alone, any.
     best = int(np.lexsort((-usable, missed))[0])
-    same = SAME * max(scale, 1e-12)
+    same = SAME * scale
     counted = (missed <= 0.0) & np.isfinite(usable)
     minima = int(counted.any()) + int((np.diff(np.sort(usable[counted])) > same).sum())
     near = counted & (usable >= usable[best] - same)

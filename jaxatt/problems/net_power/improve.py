@@ -22,8 +22,8 @@ from jaxatt.runtime.chunks import Report
 
 _SUBSTEPS = 4
 """Runge-Kutta steps an interval, as many as the harvests have by themselves."""
-_WORSE = 1e-6
-"""[J], by which a plan may earn less and still be no worse."""
+_WORSE = 1e-10
+"""Of the solar energy, by which a plan may earn less and still be no worse."""
 
 
 def improved(
@@ -43,9 +43,10 @@ def improved(
     legs = [_leg(scenario, index, phase) for index, phase in enumerate(phases)]
     answer = solve_jointly(legs, scenario.horizon.substeps or _SUBSTEPS, report=report)
     again, answers = _flown(scenario, answer, phases)
-    gain = energy_of(again).net - energy_of(phases).net
+    before = energy_of(phases)
+    gain = energy_of(again).net - before.net
     missed = [sum(not phase.reached for phase in some) for some in (again, phases)]
-    kept = missed[0] < missed[1] or (missed[0] == missed[1] and gain >= -_WORSE)
+    kept = missed[0] < missed[1] or (missed[0] == missed[1] and gain >= -_WORSE * before.solar)
     words = f"the solver {answer.status.meaning}, {answer.iterations} passes"
     if missed[0] > missed[1]:
         words += f"; {missed[0]} tasks would not be flown as asked"

@@ -11,6 +11,7 @@ from jaxatt.problems.net_power.flight import PoweredFlight, fly
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft.scale import least_torque_limit
 
 SPEED_TOLERANCE = 1e-3
 """[rad/s], for wheel speeds at the end where a manoeuvre asks for them."""
@@ -29,7 +30,8 @@ def judge_flight(
     Errors: "attitude" [rad], "rate" [rad/s] and, where wheel speeds are asked for, "wheel speed"
     [rad/s], of the worst wheel.  Limits: torques [N m] and, where they were decided, dipoles
     [A m^2].  Margins: speeds of the wheels at all steps, relative to their limits, and the charge
-    of the battery at the nodes, relative to its capacity, or to its floor where that has no bound.
+    of the battery at the nodes, relative to its capacity, or where that has no bound to its floor
+    or its charge at the start.
     """
     found: dict[str, Floats] = {}
     tolerances: dict[str, float] = {}
@@ -42,11 +44,16 @@ def judge_flight(
             missed = np.abs(flown.omega_bw[:, -1] - end.omega_bw)
             found["wheel speed"] = missed.max(axis=-1, initial=0.0)
             tolerances["wheel speed"] = SPEED_TOLERANCE
+    craft = manoeuvre.satellite.craft
+    least = least_torque_limit(craft)
+    if decided_dipole and craft.magnetorquers is not None:
+        least = min(least, float(np.min(np.asarray(craft.magnetorquers.dipole_limit))))
     return Verdict(
         {name: _finite(error) for name, error in found.items()},
         tolerances,
         _limits(manoeuvre, flown, decided_dipole),
         np.maximum(_speeds(manoeuvre, flown), _floor(manoeuvre, flown)),
+        least,
     )
 
 
@@ -78,5 +85,12 @@ def _floor(manoeuvre: Manoeuvre, flown: PoweredFlight) -> Floats:
     missing = np.maximum(manoeuvre.floor - flown.energy.least_charge, 0.0)
     if not np.isfinite(manoeuvre.floor):
         return np.zeros(len(missing))
-    scale = flown.energy.capacity
-    return _finite(missing / (scale if np.isfinite(scale) else max(1.0, abs(manoeuvre.floor))))
+    return _finite(missing / charge_scale(manoeuvre, flown))
+
+
+def charge_scale(manoeuvre: Manoeuvre, flown: PoweredFlight) -> float:
+    """Charge [J] against which what is missing to the battery's floor is small or large."""
+    capacity = float(flown.energy.capacity)
+    if np.isfinite(capacity):
+        return capacity
+    return max(abs(manoeuvre.floor), abs(manoeuvre.charge), float(np.finfo(float).tiny))

@@ -35,7 +35,7 @@ def _conjugate(q: Components) -> Components:
 
 
 def torques(p: ReorientationParameters, u: Array) -> Components:
-    """Torque on the wheels and of the thrusters in body axes, six scalars [N m]."""
+    """Torque on the wheels and of the thrusters in body axes, six scalars [1/s^2]."""
     both = (p.to_body, p.to_external)
     zero = jnp.zeros((), u.dtype)
     return tuple(

@@ -16,20 +16,23 @@ from jaxatt.simulation.free_body import FreeBody
 class ReorientationParameters:
     """Parameters of a reorientation; every leaf may be batched, swept or differentiated.
 
+    Inertias, and with them torques and momenta, are counted in a unit of about the vehicle's own
+    inertia, `ReorientationTask.unit` [kg m^2], but `scale` is in N m.
+
     body : inertias.
     start : (s,), attitude, rate and, where it is carried, momentum at the first node.
     step : () [s], mean interval that a start begins with.
     share : (N,), lengths of the intervals in units of the mean one.
     reference : (4,) or (3,), target attitude; its sign or set selects the way round.
     reference_rate : (3,) [rad/s].
-    to_body, to_external : (3, b) [N m], torque on the wheels and of the thrusters in body axes, of
-        a unit of each scaled control.
+    to_body, to_external : (3, b) [1/s^2], torque on the wheels and of the thrusters in body axes,
+        of a unit of each scaled control.
     lower, upper : (b,), limits of the scaled controls.  scale : (b,) [N m].
     effort_weight : () [1/(N m)^2], rho.
     shortest, longest : () [s], limits of the final time; 0 and inf where there are none.
     limits : cones and rate limits.  directions : (m, 3), of the cones, in inertial axes.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
-    to_wheels : (n, b) [N m]; speed_limit : (n,) [rad/s].
+    to_wheels : (n, b) [1/s^2]; speed_limit : (n,) [rad/s].
     """
 
     body: FreeBody

@@ -43,7 +43,7 @@ def states_along(
         attitude = np.where(beyond, -attitude / np.where(beyond, size, 1.0) ** 2, attitude)
     parts = [attitude, omega]
     if form.body.momentum == "carried":
-        parts.append(momentum)
+        parts.append(momentum / task.unit)
     if form.speed_limited:
         spent = np.cumsum(u * step[:, None, None], axis=1)
         parts.append(np.concatenate([np.zeros_like(u[:, :1]), spent], axis=1))

@@ -25,6 +25,7 @@ from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
 from jaxatt.simulation.flight import Trajectory, at_nodes
 from jaxatt.simulation.flight_error import fly_until_agreed
+from jaxatt.spacecraft.scale import IDLE_SHARE
 
 _MEASURED = 4
 """Starts whose lengths of an interval say how many steps it needs."""
@@ -86,14 +87,13 @@ def time_record(
         series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
     if task.craft.thrusters.count:
         series["torque_thrusters"] = torque[:, n:]
-    threshold = 1e-6
-    active = np.abs(found.controls) > threshold
     names = tuple(f"wheel {i + 1}" for i in range(n)) + tuple(
         f"thruster {i + 1}" for i in range(task.craft.thrusters.count)
     )
     wheels, thrusters = task.craft.wheels, task.craft.thrusters
     upper = np.concatenate([np.asarray(wheels.torque_limit), np.asarray(thrusters.torque_limit)])
     lower = np.concatenate([-np.asarray(wheels.torque_limit), np.zeros(thrusters.count)])
+    active = np.abs(found.controls) > IDLE_SHARE * upper
     switches = switch_times(torque, step * np.arange(count + 1.0), lower, upper)
     if arcs is not None:
         switches = arcs.switches

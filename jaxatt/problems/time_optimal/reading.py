@@ -21,6 +21,7 @@ from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Control, Horizon, Objective, Scenario, Transcription
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
+from jaxatt.spacecraft.scale import largest_torque_limit
 from jaxatt.spacecraft.wheels import storage_share
 
 TIME_KINDS = ("time-effort", "minimum-time")
@@ -28,7 +29,8 @@ TIME_KINDS = ("time-effort", "minimum-time")
 
 _COMPARED = {"final_time_s": 1, "final_time_below_s": 1, "step_s": 1}
 _PRINTED = {kind: _COMPARED for kind in TIME_KINDS}
-_DEFAULT_WEIGHT = 0.01  # of the source's section 6
+_DEFAULT_WEIGHT, _TORQUE_LIMIT = 0.01, 0.55
+"""rho [1/(N m)^2] of the source's section 6, and the limit of its wheels [N m]."""
 _SPARSE_KEYS = (
     "design",
     "time_weight_1_s",
@@ -59,7 +61,7 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
         manoeuvre.read_target(heading.printed["other_target"], origin, "[printed.other_target]", [])
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
-    objective = _read_objective(document["objective"], origin)
+    objective = _read_objective(document["objective"], origin, vehicle)
     _check_document(document, origin, notes)
     horizon = _read_horizon(document["horizon"], origin)
     targets = manoeuvre.read_targets(document, origin, notes)
@@ -106,10 +108,11 @@ def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) 
         notes.append("[objective] effort_weight is not used by kind = minimum-time")
 
 
-def _read_objective(data: Any, origin: str) -> Objective:
+def _read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
     table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
     kind = table.choice("kind", TIME_KINDS, TIME_KINDS[0])
-    weight = table.number("effort_weight", _DEFAULT_WEIGHT, at_least=0.0)
+    usual = _DEFAULT_WEIGHT * (_TORQUE_LIMIT / largest_torque_limit(vehicle)) ** 2
+    weight = table.number("effort_weight", usual, at_least=0.0)
     return Objective(
         kind=kind,
         effort_weight=weight if kind == "time-effort" else 0.0,

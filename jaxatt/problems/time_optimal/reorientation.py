@@ -8,8 +8,8 @@ state that nothing changes and whose first value is decided with the torques (ti
 that no length is ever negative and the stages stay tied to their neighbours only.
 
 A state holds the attitude, omega_ib (3) [rad/s], where thrusters or wheels that turn at the start
-ask for it the total momentum (3) [N m s] in body axes, where wheel speeds are limited the impulse
-of every control [N m s / scale], and the logarithm of the mean interval.
+ask for it the total momentum (3) in body axes over the unit of inertia [rad/s], where wheel speeds
+are limited the impulse of every control [s], and the logarithm of the mean interval.
 """
 
 from __future__ import annotations

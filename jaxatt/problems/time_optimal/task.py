@@ -29,12 +29,13 @@ from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_
 from jaxatt.simulation.flight_error import fly_in_pieces, judging_steps
 from jaxatt.simulation.free_body import BodyForm, FreeBody
 from jaxatt.spacecraft.dynamics import AttitudeState
+from jaxatt.spacecraft.scale import inertia_unit, least_torque_limit
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
 
 _LARGEST_MRP = 3.0
 """Norm beyond which the solver's MRP change sets: 286 deg from where they are zero."""
 _AT_REST = 1e-12
-"""[N m s] Total momentum that counts as none."""
+"""[rad, rad/s] Turn and rates that count as none, and the total momentum over the inertia."""
 
 
 @dataclass(frozen=True)
@@ -86,6 +87,7 @@ class ReorientationTask:
     """Turn from one attitude to another in free time, relative to the inertial frame.
 
     craft : vehicle.  initial_state, target : where it begins and ends.  intervals : N.
+    unit : [kg m^2], in which the programme counts inertias, and with them torques and momenta.
     """
 
     def __init__(
@@ -104,7 +106,7 @@ class ReorientationTask:
         self.intervals, self.goal = intervals, goal
         self.pointing = pointing
         self.directions = pointing.directions(np.zeros(1), _UPRIGHT)[0]
-        self.actuation = actuation(craft)
+        self.actuation, self.unit = actuation(craft), inertia_unit(craft)
         wheels = craft.wheels
         self.start = AttitudeState(
             jnp.asarray(initial_state.q_ob),
@@ -132,8 +134,12 @@ class ReorientationTask:
         self.parameters = self._parameters()
 
     def _momentum_form(self, momentum: Floats) -> str:
-        still = float(np.linalg.norm(momentum)) <= _AT_REST and not self.craft.thrusters.count
+        still = self._moves_by(momentum) <= _AT_REST and not self.craft.thrusters.count
         return "zero" if still else "carried"
+
+    def _moves_by(self, momentum: Floats) -> float:
+        """Rate [rad/s] that a momentum (3,) [N m s] would be of a mean axis."""
+        return float(np.linalg.norm(momentum)) / self.unit
 
     def _parameters(self) -> ReorientationParameters:
         craft, wheels, a = self.craft, self.craft.wheels, self.actuation
@@ -141,20 +147,20 @@ class ReorientationTask:
         attitude = np.asarray(mrp.from_quaternion(q)) if self.form.body.attitude == "mrp" else q
         begin = [attitude, self.initial_state.omega_ob]
         if self.form.body.momentum == "carried":
-            begin.append(self.momentum)
-        goal = self.goal
+            begin.append(self.momentum / self.unit)
+        goal, unit = self.goal, self.unit
         return ReorientationParameters(
             body=FreeBody(
-                jnp.asarray(craft.inertia),
-                jnp.asarray(np.linalg.inv(np.asarray(craft.inertia_without_spin))),
+                jnp.asarray(craft.inertia / unit),
+                jnp.asarray(unit * np.linalg.inv(np.asarray(craft.inertia_without_spin))),
             ),
             start=jnp.asarray(np.concatenate(begin)),
             step=jnp.asarray(1.0),
             share=jnp.ones(self.intervals),
             reference=jnp.asarray(self.reference(1.0)),
             reference_rate=jnp.asarray(self.target.omega_ob),
-            to_body=jnp.asarray(a.to_body),
-            to_external=jnp.asarray(a.to_external),
+            to_body=jnp.asarray(a.to_body / unit),
+            to_external=jnp.asarray(a.to_external / unit),
             lower=jnp.asarray(a.lower),
             upper=jnp.asarray(a.upper),
             scale=jnp.asarray(a.scale),
@@ -165,8 +171,8 @@ class ReorientationTask:
             directions=jnp.asarray(self.directions),
             wheel_speed=jnp.asarray(self.initial_state.omega_bw),
             wheel_axes=jnp.asarray(wheels.axes),
-            wheel_inertia=jnp.asarray(wheels.inertia),
-            to_wheels=jnp.asarray(a.to_wheels),
+            wheel_inertia=jnp.asarray(wheels.inertia / unit),
+            to_wheels=jnp.asarray(a.to_wheels / unit),
             speed_limit=jnp.asarray(wheels.speed_limit),
         )
 
@@ -229,7 +235,7 @@ class ReorientationTask:
     def in_motion(self) -> bool:
         """Whether the body turns at the start or the target, or its wheels store momentum."""
         rates = np.concatenate([self.initial_state.omega_ob, self.target.omega_ob])
-        return bool(np.any(rates != 0.0) or np.linalg.norm(self.momentum) > _AT_REST)
+        return bool(np.any(rates != 0.0) or self._moves_by(self.momentum) > _AT_REST)
 
     @property
     def at_target(self) -> bool:
@@ -324,6 +330,7 @@ class ReorientationTask:
             self.tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2), initial=0.0)),
             np.max(worst, axis=0),
+            least_torque_limit(self.craft),
         )
 
     def watch(self, flown: Trajectory) -> ObservedPath:

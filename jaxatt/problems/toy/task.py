@@ -152,8 +152,8 @@ class ToyTask(SparseTask):
 
     def to_controls(self, u: Floats | Array) -> Floats:
         """Controls (S, N, 1), clipped to the limit and thresholded."""
-        control = np.clip(np.asarray(u, float), -1.0, 1.0) * self.limit
-        return np.where(np.abs(control) <= self.threshold, 0.0, control)
+        bounded = np.clip(np.asarray(u, float), -1.0, 1.0)
+        return np.where(np.abs(bounded) <= self.threshold, 0.0, bounded * self.limit)
 
     def from_controls(self, controls: Floats) -> Floats:
         """Scaled controls from controls."""
@@ -184,6 +184,7 @@ class ToyTask(SparseTask):
             {"state": self.tolerance},
             np.maximum(0.0, np.abs(controls).max(axis=(1, 2)) - self.limit),
             np.maximum(0.0, -lowest),
+            self.limit,
         )
         return verdict, self.cost(controls)
 

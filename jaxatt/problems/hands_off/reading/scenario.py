@@ -30,7 +30,7 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
     )
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
-    objective = read_objective(document.get("objective", {}), origin)
+    objective = read_objective(document.get("objective", {}), origin, vehicle)
     if "transcription" in document:
         raise ScenarioError(
             f"{origin}: [transcription]: not used by kind = {objective.kind}; drop it, or use an "

@@ -13,6 +13,9 @@ from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Floats
 
+_ROUNDING = (1e-7, 1e-7, 1e-5)
+"""Relative differences of ranks that mean nothing: of costs, counts and efforts."""
+
 
 @dataclass(frozen=True)
 class Candidates:
@@ -70,7 +73,7 @@ def join(*parts: Candidates) -> Candidates:
 
 def support_of(task: SparseTask, controls: Floats) -> Mask:
     """Active groups of one control history, (N, g); g = 1 where an interval counts as one."""
-    active: Mask = np.abs(controls) > task.threshold
+    active = task.active(controls)
     return np.any(active, axis=-1, keepdims=True) if task.shared else active
 
 
@@ -105,8 +108,7 @@ def evaluate(
 
 def better(a: Floats, b: Floats) -> bool:
     """Whether rank a is smaller than rank b by more than rounding."""
-    margin = 1e-7 * np.maximum(1.0, np.abs(b))
-    for x, y, m in zip(a, b, margin, strict=True):
-        if abs(x - y) > m:
+    for x, y, share in zip(a, b, _ROUNDING, strict=True):
+        if abs(x - y) > share * abs(y):
             return bool(x < y)
     return False

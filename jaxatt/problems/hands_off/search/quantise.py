@@ -85,7 +85,7 @@ def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
     if task.watches:
         extremes = task.watch(flown).extremes(task.path_monitor.elapsed)
     arrived = all(error <= task.tolerances[name] for name, error in found.items())
-    wheels = np.any(np.abs(pulses.wheel_torque) > task.threshold, axis=1)
+    share = np.abs(pulses.wheel_torque) / np.asarray(task.craft.wheels.torque_limit)
     return Quantised(
         mode,
         pulses,
@@ -93,7 +93,7 @@ def judge_pulses(task: SlewTask, pulses: Pulses, mode: str) -> Quantised:
         flight_error,
         found,
         arrived and flight_error.agreed and all(extreme.satisfied for extreme in extremes),
-        np.any(pulses.on_time > 0.0, axis=1) | wheels,
+        np.any(pulses.on_time > 0.0, axis=1) | np.any(share > task.threshold, axis=1),
         pulses.on_time.sum(axis=0),
         partly_open(sampled, limit),
         overlaps(pulses, task.craft.thrusters.opposed),

@@ -113,7 +113,7 @@ class Ledger:
         order = np.lexsort(keys if np.isinf(costs).all() else keys[:2])
         answer = answers.pick(order[0])
         made = Offer(task, answer, float(costs[order[0]]))
-        count = int((np.abs(answer.controls[0]) > task.threshold).any(axis=1).sum())
+        count = int(task.active(answer.controls[0]).any(axis=1).sum())
         reached = bool(answer.verdict.reached[0] and not (exact and np.isinf(made.cost)))
         self.trials.append(Trial(made.final_time, made.cost, count, reached, how))
         if self.progress is not None:

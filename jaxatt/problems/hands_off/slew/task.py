@@ -40,6 +40,7 @@ from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.flight import Trajectory
 from jaxatt.simulation.flight_error import judging_steps
 from jaxatt.simulation.pulses import Pulses
+from jaxatt.spacecraft.scale import IDLE_SHARE, least_torque_limit
 from jaxatt.spacecraft.vehicle import Spacecraft
 
 _SMALL_GYROSCOPIC_TURN = 0.5
@@ -70,7 +71,7 @@ class SlewTask(SparseTask):
     pointing : cones and rate limits; left to the verdict until `enforcing` puts them in the way.
     """
 
-    threshold = 1e-6
+    threshold = IDLE_SHARE
     ways = (1.0, -1.0)
 
     def __init__(
@@ -189,9 +190,8 @@ class SlewTask(SparseTask):
     def to_controls(self, u: Floats | Array) -> Floats:
         """Torques in the optimisation's axes [N m], clipped to limits and thresholded."""
         bounded = np.clip(np.asarray(u, float), self.mounting.lower, self.mounting.upper)
-        torque = bounded * self.scale
-        size = _largest(torque) if self.shared else np.abs(torque)
-        torque = np.where(size <= self.threshold, 0.0, torque)
+        size = _largest(bounded) if self.shared else np.abs(bounded)
+        torque = np.where(size <= self.threshold, 0.0, bounded * self.scale)
         if self.craft.wheels.count == 0:
             return np.asarray(torque)
         relative = self.wheel_torque(torque) / np.asarray(self.craft.wheels.torque_limit)
@@ -272,6 +272,7 @@ class SlewTask(SparseTask):
             tolerances,
             np.maximum(0.0, excess.max(axis=(1, 2))),
             np.maximum(path, speed * self.judges_path),
+            least_torque_limit(self.craft),
         )
 
     def verify(self, controls: Floats) -> tuple[Verdict, dict[str, Floats]]:

@@ -24,7 +24,7 @@ from jaxatt.runtime.chunks import Report
 
 _ROUNDS = 4
 _GAIN = 1e-6
-"""Of the solar energy, from which on another answer is better."""
+"""Of the energy gained or spent, from which on another answer is better."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ def _better(new: Flown, old: Flown) -> bool:
     reached = bool(new.reached[new.best]), bool(old.reached[old.best])
     if reached[0] != reached[1]:
         return reached[0]
-    least = _GAIN * float(np.nanmax(np.abs(old.flight.energy.solar_J), initial=1.0))
+    least = _GAIN * old.flight.energy.turnover
     return bool(new.score[new.best] > old.score[old.best] + least)
 
 

@@ -17,8 +17,8 @@ from jaxatt.problems.net_power.magnetic.starts import Starts
 from jaxatt.problems.net_power.magnetic.task import MagneticTask
 from jaxatt.runtime.arrays import Flags, Floats
 
-_USELESS = 1e9
-"""Cost that stands for none."""
+_USELESS = 1e100
+"""Cost that stands for none, in any units."""
 
 
 @jax.tree_util.register_dataclass
@@ -64,7 +64,7 @@ class Answers:
     @property
     def disagreement(self) -> Floats:
         """Relative difference of claimed and flown energy, (A,)."""
-        size = np.maximum(np.abs(self.flown.mean_power), 1e-12)
+        size = np.maximum(np.abs(self.flown.mean_power), np.finfo(float).tiny)
         return np.abs(self.claimed - self.flown.mean_power) / size
 
     def cost(self, task: MagneticTask, time_weight: float | Floats) -> Floats:
@@ -133,7 +133,7 @@ def distinct(values: Floats, times: Floats, most: int) -> npt.NDArray[np.int64]:
         if kept and not np.isfinite(values[k]):
             break
         same = (
-            abs(values[k] - values[other]) < 1e-5 * max(1.0, abs(values[other]))
+            abs(values[k] - values[other]) <= 1e-5 * abs(values[other])
             and abs(times[k] - times[other]) < 1e-3 * times[other]
             for other in kept
         )

@@ -96,6 +96,7 @@ def judge_answers(
         {"attitude": target.attitude_tolerance, "rate": target.rate_tolerance},
         np.where(np.isfinite(over), np.maximum(over, 0.0), np.inf),
         np.zeros(len(over)),
+        float(task.dipole_limit.min()),
     )
 
 

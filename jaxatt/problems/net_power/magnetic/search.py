@@ -107,7 +107,7 @@ def search_front(
         solution = solve(form, again, parameters, _AGAIN, progress)
         found = Answers.join([found, answers_of(form, again, solution, parameters, chosen)])
         better = _least(task, found, weights)
-        if turn and (best - better <= _GAIN * np.maximum(1.0, np.abs(best))).all():
+        if turn and (best - better <= _GAIN * np.abs(best)).all():
             best = better
             break
         best = better
