@@ -91,7 +91,7 @@ def count(u: Floats) -> int:
 
 
 def thresholded(case: Case, m: InertialManoeuvre, ended: list[Ended]) -> list[tuple[int, Floats]]:
-    """Active intervals and controls of the answers that seem to reach, cut as far as they can be."""
+    """Active intervals and controls of answers that seem to reach, cut as far as they can be."""
     found = []
     for one in ended:
         size = np.abs(one.u).max(axis=1, keepdims=True)
