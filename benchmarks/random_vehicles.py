@@ -5,16 +5,18 @@
 Half of the cases are slews in a given time (hands-off here; least effort by IPOPT, whose answers
 are then cut off at a threshold), half are turns in free time.  Both sides have the same number of
 starts, of intervals and of Runge-Kutta steps, and are judged by the same flights under error
-control (SciPy's DOP853).  Every case is written as soon as it has ended; a file of the same seed
-and number of starts is continued.
+control (SciPy's DOP853).  Times are of the processor.  Every case is written as soon as it has
+ended; a file of the same seed and number of starts is continued.
 """
 
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import tempfile
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -48,6 +50,9 @@ SHAPES = {
 }
 THRESHOLDS = (0.1, 0.03, 0.01, 3e-3, 1e-3, 1e-4)
 """Shares of the limits at which an answer of least effort is cut off: the largest that reaches."""
+SIDES = ("jaxatt", "ipopt")
+KEYS = {"slew": "active", "turn": "final_time"}
+"""What is compared."""
 _ACTIVE = 1e-9
 _EXCESS = 1e-7
 _SAME = 1e-4
@@ -56,14 +61,17 @@ _FINE = 16
 
 @dataclass(frozen=True)
 class Side:
-    """reached : of the best answer.  active : intervals.  final_time : [s].  good : starts that
-    reached.  wall_s : [s] of all starts."""
+    """How a side ended.
+
+    reached : whether the best answer does.  active : its intervals.  final_time : [s].
+    good : starts that reached.  cpu_s : [s] of all starts.
+    """
 
     reached: bool
     active: int
     final_time: float
     good: int
-    wall_s: float
+    cpu_s: float
 
 
 def reaches(case: Case, m: InertialManoeuvre, u: Floats, step: float) -> bool:
@@ -104,10 +112,10 @@ def thresholded(case: Case, m: InertialManoeuvre, ended: list[Ended]) -> list[tu
 
 def other_side(case: Case, m: InertialManoeuvre, solver: Solver, starts: int, seed: int) -> Side:
     """IPOPT from informed starts."""
-    shape, began = solver.shape, time.perf_counter()
+    shape, began = solver.shape, time.process_time()
     drawn = informed_starts(m, shape.intervals, case.horizon, starts, seed)
     ended = [solver(m, start) for start in drawn]
-    wall = time.perf_counter() - began
+    cpu = time.process_time() - began
     # What left the limits by rounding is put back on them.
     ended = [replace(one, u=np.clip(one.u, -1.0, 1.0)) for one in ended]
     if shape.free_time:
@@ -119,13 +127,13 @@ def other_side(case: Case, m: InertialManoeuvre, solver: Solver, starts: int, se
     for step_s, controls in pairs:
         if reaches(case, m, controls, step_s):
             final = step_s * shape.intervals
-            return Side(True, count(controls), final, len(pairs), wall)
-    return Side(False, shape.intervals, np.inf, 0, wall)
+            return Side(True, count(controls), final, len(pairs), cpu)
+    return Side(False, shape.intervals, np.inf, 0, cpu)
 
 
 def this_side(case: Case, m: InertialManoeuvre, starts: int) -> Side:
     """The package."""
-    began = time.perf_counter()
+    began = time.process_time()
     if case.horizon is None:
         task = build_time_task(case.scenario)
         found = search_free_time(task, starts, 0)
@@ -134,52 +142,54 @@ def this_side(case: Case, m: InertialManoeuvre, starts: int) -> Side:
         phase = jaxatt.solve(case.scenario, starts=starts, seed=0).phases[0]
         u, step = phase.controls @ np.linalg.inv(m.to_body).T, phase.step
         good = phase.starts.reached.sum()
-    wall = time.perf_counter() - began
+    cpu = time.process_time() - began
     ok = reaches(case, m, u, float(step))
-    return Side(ok, count(u), float(step) * len(u) if ok else np.inf, int(good), wall)
+    return Side(ok, count(u), float(step) * len(u) if ok else np.inf, int(good), cpu)
 
 
-def compare(kind: str, index: int, solver: Solver, starts: int, seed: int) -> dict[str, Any]:
-    """Both sides on one case."""
-    case = draw(kind, index, seed)
-    if kind == "slew":
-        m = of_slew(build_slew(case.scenario))
-    else:
+def compare(
+    row: dict[str, Any], sides: list[str], solver: Callable[[], Solver], starts: int, seed: int
+) -> None:
+    """Run sides on the case of a row, and enter into it what they found."""
+    case = draw(row["kind"], row["index"], seed)
+    row |= {name: value for name, value in vars(case).items() if name != "scenario"}
+    if case.horizon is None:
         m = of_turn(build_time_task(case.scenario))
-    facts = {name: value for name, value in vars(case).items() if name != "scenario"}
-    ours, theirs = this_side(case, m, starts), other_side(case, m, solver, starts, seed)
-    return {"kind": kind, "index": index, **facts, "jaxatt": asdict(ours), "ipopt": asdict(theirs)}
+    else:
+        m = of_slew(build_slew(case.scenario))
+    for side in sides:
+        ours = side == "jaxatt"
+        found = this_side(case, m, starts) if ours else other_side(case, m, solver(), starts, seed)
+        row[side] = asdict(found)
 
 
 def line(row: dict[str, Any]) -> str:
     """One case in words."""
-    ours, theirs = row["jaxatt"], row["ipopt"]
-    key = "active" if row["kind"] == "slew" else "final_time"
-    told = [
-        f"{side[key]:9.5g} ({side['good']:2} good, {side['wall_s']:5.1f} s)"
-        if side["reached"]
-        else f"  missed  ({side['good']:2} good, {side['wall_s']:5.1f} s)"
-        for side in (ours, theirs)
-    ]
-    return (
+    key = KEYS[row["kind"]]
+    told = (
         f"{row['kind']} {row['index']:3}  {row['mass']:6.1f} kg  {row['rate']:4.1f} to "
-        f"{row['end_rate']:4.1f} deg/s  stored {row['stored']:.2f}   {told[0]}   IPOPT {told[1]}"
+        f"{row['end_rate']:4.1f} deg/s  stored {row['stored']:.2f}"
     )
+    for side in SIDES:
+        if side in row:
+            found = f"{row[side][key]:8.5g}" if row[side]["reached"] else "  missed"
+            told += f"   {side} {found} ({row[side]['good']:2} good, {row[side]['cpu_s']:5.1f} s)"
+    return told
 
 
 def summary(rows: list[dict[str, Any]]) -> dict[str, Any]:
     """What the cases show, kind by kind; of counts and times where both sides reached."""
     found: dict[str, Any] = {}
-    for kind, key in zip(KINDS, ("active", "final_time"), strict=True):
-        own = [row for row in rows if row["kind"] == kind]
+    for kind, key in KEYS.items():
+        own = [row for row in rows if row["kind"] == kind and all(side in row for side in SIDES)]
         both = [row for row in own if row["jaxatt"]["reached"] and row["ipopt"]["reached"]]
         told: dict[str, Any] = {"cases": len(own)}
-        for side in ("jaxatt", "ipopt"):
+        for side in SIDES:
             told[side] = {
                 "reached": sum(row[side]["reached"] for row in own),
                 "good_starts": sum(row[side]["good"] for row in own),
                 "mean": float(np.mean([row[side][key] for row in both] or [np.nan])),
-                "median_s_a_case": float(np.median([row[side]["wall_s"] for row in own] or [0.0])),
+                "median_cpu_s": float(np.median([row[side]["cpu_s"] for row in own] or [0.0])),
             }
         ratio = {row["index"]: row["jaxatt"][key] / row["ipopt"][key] for row in both}
         told["missed_here"] = [r["index"] for r in own if r not in both and r["ipopt"]["reached"]]
@@ -199,6 +209,8 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=16)
     parser.add_argument("--json", type=Path, help="written after every case, and continued")
     parser.add_argument("--folder", type=Path, help="keep compiled libraries here")
+    parser.add_argument("--side", choices=SIDES, nargs="+", default=list(SIDES))
+    parser.add_argument("--again", action="store_true", help="run sides that the file has, too")
     options = parser.parse_args()
     settings = {"seed": options.seed, "starts": options.starts}
     rows: list[dict[str, Any]] = []
@@ -207,17 +219,20 @@ def main() -> None:
         if kept["settings"] != settings:
             parser.error(f"{options.json} has {kept['settings']}: choose another file")
         rows = kept["cases"]
-    ended = {(row["kind"], row["index"]) for row in rows}
+    known = {(row["kind"], row["index"]): row for row in rows}
     with tempfile.TemporaryDirectory() as scratch:
-        folder, solvers = options.folder or Path(scratch), dict[str, Solver]()
-        for index in range(options.cases):
-            kind, number = KINDS[index % 2], index // 2
-            if (kind, number) in ended:
+        folder = options.folder or Path(scratch)
+        solvers = functools.cache(lambda kind: Solver(SHAPES[kind], folder))
+        for number in range(options.cases):
+            kind, index = KINDS[number % 2], number // 2
+            row = known.get((kind, index), {"kind": kind, "index": index})
+            sides = [side for side in options.side if options.again or side not in row]
+            if not sides:
                 continue
-            if kind not in solvers:
-                solvers[kind] = Solver(SHAPES[kind], folder)
-            rows.append(compare(kind, number, solvers[kind], options.starts, options.seed))
-            print(line(rows[-1]), flush=True)
+            compare(row, sides, functools.partial(solvers, kind), options.starts, options.seed)
+            if (kind, index) not in known:
+                rows.append(row)
+            print(line(row), flush=True)
             if options.json is not None:
                 whole = {"machine": machine(), "settings": settings, "cases": rows}
                 whole["summary"] = summary(rows)
