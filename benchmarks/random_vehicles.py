@@ -100,14 +100,13 @@ def count(u: Floats) -> int:
 
 def thresholded(case: Case, m: InertialManoeuvre, ended: list[Ended]) -> list[tuple[int, Floats]]:
     """Active intervals and controls of answers that seem to reach, cut as far as they can be."""
-    found = []
-    for one in ended:
-        size = np.abs(one.u).max(axis=1, keepdims=True)
-        cut = np.stack([np.where(size > share, one.u, 0.0) for share in (*THRESHOLDS, 0.0)])
-        good = np.flatnonzero(nearly(case, m, cut, np.full(len(cut), one.step)))
-        if len(good):
-            found.append((count(cut[good[0]]), cut[good[0]]))
-    return sorted(found, key=lambda each: each[0])
+    shares, u = np.array([*THRESHOLDS, 0.0]), np.stack([one.u for one in ended])
+    size = np.abs(u).max(axis=2, keepdims=True)
+    cut = np.where(size[:, None] > shares[:, None, None], u[:, None], 0.0)
+    flat = cut.reshape(-1, *u.shape[1:])
+    good = nearly(case, m, flat, np.full(len(flat), ended[0].step)).reshape(len(u), -1)
+    found = [cut[i, np.argmax(good[i])] for i in np.flatnonzero(good.any(axis=1))]
+    return sorted(((count(each), each) for each in found), key=lambda pair: pair[0])
 
 
 def other_side(case: Case, m: InertialManoeuvre, solver: Solver, starts: int, seed: int) -> Side:
@@ -210,6 +209,7 @@ def main() -> None:
     parser.add_argument("--json", type=Path, help="written after every case, and continued")
     parser.add_argument("--folder", type=Path, help="keep compiled libraries here")
     parser.add_argument("--side", choices=SIDES, nargs="+", default=list(SIDES))
+    parser.add_argument("--kind", choices=KINDS, nargs="+", default=list(KINDS))
     parser.add_argument("--again", action="store_true", help="run sides that the file has, too")
     options = parser.parse_args()
     settings = {"seed": options.seed, "starts": options.starts}
@@ -227,7 +227,7 @@ def main() -> None:
             kind, index = KINDS[number % 2], number // 2
             row = known.get((kind, index), {"kind": kind, "index": index})
             sides = [side for side in options.side if options.again or side not in row]
-            if not sides:
+            if not sides or kind not in options.kind:
                 continue
             compare(row, sides, functools.partial(solvers, kind), options.starts, options.seed)
             if (kind, index) not in known:
