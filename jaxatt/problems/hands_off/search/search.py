@@ -92,7 +92,7 @@ def search(
     pool = ended
     reached_first = task.goal.terminal == "reach"
     counting = method("l0", "reweighting the effort")
-    many = task.goal.kind != "l1" and reached_first and _most(task, ended) > _FEW
+    many = task.goal.kind == "l0" and reached_first and _most(task, ended) > _FEW
     if many and counting.spends_least_for(task):
         pool = join(ended, reweighted(task, ended, counting))
     if task.goal.kind != "l1" and not pool.verdict.reached.any():
