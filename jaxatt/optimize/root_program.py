@@ -29,7 +29,7 @@ class RootProgram:
     limits : args -> (l, b), rows with |l u[k]| <= 1 for every stage k.
     bounds : args -> lower and upper limits of each control, (b,) or (N, b).
     effort_map : args -> (q, b), the quantities whose magnitudes make up the effort.
-    effort_scale : args -> (), what a unit of effort costs.
+    effort_scale : args -> () or (N,), what a unit of effort costs, in every stage.
     shared : whether a stage's controls count as one.
     """
 

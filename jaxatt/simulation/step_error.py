@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 
-from jaxatt.attitude.host_vectors import cross
 from jaxatt.runtime.arrays import Floats
 
 States = tuple[Floats, Floats]
@@ -23,6 +23,7 @@ _MEASURED = 20
 _MOST = 128
 _ORDER = 4
 _ROUNDS = 8
+_ATTITUDE, _RATE, _MOMENTUM = range(4), range(4, 7), range(7, 10)
 
 
 def steps_needed(
@@ -58,24 +59,41 @@ def steps_needed(
     return steps
 
 
+def _slopes(inverse: Floats) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], Floats]:
+    """Torque-free motion as a quadratic form: i, j and c with dy/dt = (y[i] * y[j]) @ c.
+
+    y : attitude (4), rate (3), momentum in body axes (3).  c : (18, 10).
+    """
+    turned, unit = np.concatenate([inverse, np.eye(3)], axis=1), np.eye(10)
+    terms: list[tuple[int, int, Floats]] = []
+    for k in range(3):
+        along, into = _ATTITUDE[1 + k], np.concatenate([np.zeros(4), turned[k]])
+        terms.append((_ATTITUDE[0], _RATE[k], 0.5 * unit[along]))
+        terms.append((along, _RATE[k], -0.5 * unit[_ATTITUDE[0]]))
+        # Component k of a cross product: a_i b_j - a_j b_i.
+        for i, j, sign in ((k - 2, k - 1, 1.0), (k - 1, k - 2, -1.0)):
+            terms.append((_ATTITUDE[1:][i], _RATE[j], 0.5 * sign * unit[along]))
+            terms.append((_MOMENTUM[i], _RATE[j], sign * into))
+    first, second, factors = zip(*terms, strict=True)
+    return np.array(first), np.array(second), np.array(factors)
+
+
 def _ended(y: Floats, inverse: Floats, step: float, intervals: int, steps: int) -> Floats:
     """States (S, 10) after all intervals: attitude (4), rate (3), momentum in body axes (3)."""
     h = step / steps
+    # Few calls on small arrays, each of which costs more than its arithmetic.
+    first, second, factors = _slopes(inverse)
 
     def slope(y: Floats) -> Floats:
-        w, x, v, spin = y[:, :1], y[:, 1:4], y[:, 4:7], y[:, 7:]
-        along = -np.sum(x * v, axis=1, keepdims=True)
-        across = w * v + cross(x, v)
-        turned = cross(spin, v)
-        return np.concatenate([0.5 * along, 0.5 * across, turned @ inverse.T, turned], axis=1)
+        return np.asarray((y.take(first, 1) * y.take(second, 1)) @ factors)
 
     with np.errstate(all="ignore"):
         for _ in range(intervals * steps):
             a = slope(y)
             b = slope(y + 0.5 * h * a)
             c = slope(y + 0.5 * h * b)
-            y = y + h / 6.0 * (a + 2.0 * b + 2.0 * c + slope(y + h * c))
-            y[:, :4] /= np.linalg.norm(y[:, :4], axis=1, keepdims=True)
+            y = y + h / 6.0 * (a + 2.0 * (b + c) + slope(y + h * c))
+            y[:, :4] /= np.sqrt((y[:, :4] ** 2).sum(1, keepdims=True))
     return y
 
 

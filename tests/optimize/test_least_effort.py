@@ -20,9 +20,9 @@ LIMITS = np.array([[1.0, 0.0], [0.0, 1.0], [0.7, 0.7]])
 
 
 @functools.partial(jax.jit, static_argnames="bent")
-@functools.partial(jax.vmap, in_axes=(0, 0, 0, 0, 0, None))
-def run(matrix, target, u, free, row_weight, bent):
-    """Rows A u - t, bent by 0.2 sin(A u), with the effort of magnitudes."""
+@functools.partial(jax.vmap, in_axes=(0, 0, 0, 0, 0, None, None))
+def run_at(matrix, target, u, free, row_weight, bent, price):
+    """Rows A u - t, bent by 0.2 sin(A u), with the effort of magnitudes at a price."""
 
     def rows(u):
         product = jnp.einsum("mkc,kc->m", matrix, u)
@@ -38,10 +38,14 @@ def run(matrix, target, u, free, row_weight, bent):
         response=lambda u, args: response(u),
         limits=lambda args: jnp.asarray(LIMITS),
         effort_map=lambda args: jnp.eye(SIZE),
-        effort_scale=lambda args: jnp.asarray(1.0),
+        effort_scale=lambda args: jnp.asarray(price),
         shared=False,
     )
     return solve(LeastEffort(SCHEDULE), program, u, None)
+
+
+def run(matrix, target, u, free, row_weight, bent, price=1.0):
+    return run_at(matrix, target, u, free, row_weight, bent, price)
 
 
 def problems(seed, count, size):
@@ -56,12 +60,12 @@ def problems(seed, count, size):
     return matrix, target, hidden + 0.2 * rng.normal(size=hidden.shape), free
 
 
-def linear_programme(matrix, target, free):
-    """Least sum of magnitudes by SciPy: u = p - n with p, n >= 0."""
+def linear_programme(matrix, target, free, price=1.0):
+    """Least sum of magnitudes, each stage at its price, by SciPy: u = p - n with p, n >= 0."""
     columns = (matrix * free).reshape(ROWS, -1)
     faces = np.kron(np.eye(STAGES), LIMITS)
     return scipy.optimize.linprog(
-        np.ones(2 * STAGES * SIZE),
+        np.tile(np.repeat(np.broadcast_to(price, STAGES), SIZE), 2),
         A_ub=np.block([[faces, -faces], [-faces, faces]]),
         b_ub=np.ones(2 * len(faces)),
         A_eq=np.hstack([columns, -columns]),
@@ -88,6 +92,18 @@ def test_linear_rows_give_what_linear_programming_gives(size):
     assert (found.x[:, 1] == 0.0).all()
     if size == 1.0:
         assert saturated > count / 3
+
+
+def test_stages_whose_effort_costs_more_are_used_less():
+    count, price = 8, np.geomspace(1.0, 30.0, STAGES)
+    matrix, target, starts, free = problems(21, count, 0.5)
+    found = run(matrix, target, starts, free, np.full((count, ROWS), np.inf), False, price)
+    assert (found.status == Status.CONVERGED).all()
+    for k in range(count):
+        spent = price @ np.abs(found.x[k]).sum(axis=1)
+        best = linear_programme(matrix[k], target[k], free[k], price)
+        np.testing.assert_allclose(spent, best.fun, rtol=1e-3)
+        np.testing.assert_allclose(found.objective[k], best.fun, rtol=1e-2)
 
 
 def test_rows_that_bend_end_where_a_general_solver_ends():

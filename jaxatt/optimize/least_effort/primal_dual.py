@@ -1,6 +1,6 @@
 """Primal-dual method for the least sum of magnitudes that satisfies some rows within limits.
 
-    minimise    e sum sqrt((E u_k)^2 + s^2)  +  1/2 sum of w r^2 over the soft rows
+    minimise    sum e_k sqrt((E u_k)^2 + s^2)  +  1/2 sum of w r^2 over the soft rows
     subject to  r(u) = 0 for the hard rows,  |l u_k| <= 1 at every stage k
 
 Newton steps on the conditions for a minimum, with the limits behind a barrier that vanishes and a
@@ -102,7 +102,7 @@ class LeastEffort(Solver):
         u = u / jnp.maximum(1.0, over / _INSIDE)
         parts = u @ effort_map.T
         smoothing = jnp.asarray(self.schedule.smoothing_start, dtype)
-        barrier = jnp.asarray(_BARRIER, dtype) * effort_scale
+        barrier = jnp.asarray(_BARRIER, dtype) * jnp.max(effort_scale)
         infinite = jnp.asarray(jnp.inf, dtype)
         return _State(
             u,
@@ -225,7 +225,7 @@ class LeastEffort(Solver):
         effort = jnp.sqrt((state.u @ effort_map.T) ** 2 + smoothing**2)
         return Solution(
             state.u,
-            effort_scale * jnp.sum(effort - smoothing),
+            jnp.sum(effort_scale * (effort - smoothing)),
             state.status,
             state.violation,
             state.stationarity,
@@ -235,7 +235,8 @@ class LeastEffort(Solver):
 
 
 def _effort(program: RootProgram, args: Any) -> tuple[Array, Array, Array]:
-    """Limits (l, b), map (q, b) and scale () of the effort."""
+    """Limits (l, b), map (q, b) and scale (N, 1) or (1, 1) of the effort."""
     assert program.limits is not None
     assert program.effort_map is not None and program.effort_scale is not None
-    return program.limits(args), program.effort_map(args), program.effort_scale(args)
+    scale = jnp.atleast_1d(program.effort_scale(args))[:, None]
+    return program.limits(args), program.effort_map(args), scale

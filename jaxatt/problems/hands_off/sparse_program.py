@@ -32,6 +32,8 @@ class SparseArguments:
     weight : (N,), h_k of the moving hands-off objective (5.5); ones otherwise.
     free : (N, b), 1 where torque is allowed: windows that forbid it and a frozen support are zeros.
     count_scale, effort_scale : () factors of the two parts of the objective.
+    price : (N,), what effort costs in each interval, in units of effort_scale, where a support
+        settles; ones unless intervals compete by it.
     effort_map : (r, b), the quantities whose absolute values make up the L1 effort.
     row_weight : (m,), inf for terminal rows that are constraints; the weight w of w/2 row^2 for
         rows that belong to the printed cost.
@@ -42,6 +44,7 @@ class SparseArguments:
     free: Array
     count_scale: Array
     effort_scale: Array
+    price: Array
     effort_map: Array
     row_weight: Array
 
@@ -157,7 +160,7 @@ def sparse_effort(system: SparseSystem, shared: bool) -> RootProgram:
     return replace(
         sparse_roots(system, shared),
         effort_map=lambda args: args.effort_map,
-        effort_scale=lambda args: args.effort_scale,
+        effort_scale=lambda args: args.effort_scale * args.price,
     )
 
 

@@ -146,6 +146,7 @@ class ToyTask(SparseTask):
             free=jnp.ones((intervals, 1)),
             count_scale=jnp.asarray(1.0),
             effort_scale=jnp.asarray(0.0),
+            price=jnp.ones(intervals),
             effort_map=jnp.eye(1),
             row_weight=jnp.full(len(target), jnp.inf),
         )

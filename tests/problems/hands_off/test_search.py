@@ -11,7 +11,7 @@ from jaxatt.multistart.driver import run_starts
 from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.search.batch import Form, Lanes
+from jaxatt.problems.hands_off.search.batch import Form, Lanes, broadcast_lanes
 from jaxatt.problems.hands_off.search.candidates import (
     Candidates,
     better,
@@ -35,7 +35,7 @@ def lanes(task):
     starts = draw(0, 12, task.intervals, task.size, 0.2)
     free = np.ones_like(starts.u)
     rows = np.full((12, task.rows), np.inf)
-    return Lanes(starts.u, free, rows, starts.sign)
+    return broadcast_lanes(starts.u, free, rows, starts.sign)
 
 
 def run(task, lanes, schedule=HOMOTOPY, rows=64, **options):

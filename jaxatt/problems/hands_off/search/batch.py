@@ -26,13 +26,14 @@ from jaxatt.runtime.arrays import Floats
 class Lanes(NamedTuple):
     """Data that differ from start to start; leading axis S.
 
-    u : (S, N, b).  free : (S, N, b).  row_weight : (S, m).  sign : (S,).
+    u : (S, N, b).  free : (S, N, b).  row_weight : (S, m).  sign : (S,).  price : (S, N).
     """
 
     u: Any
     free: Any
     row_weight: Any
     sign: Any
+    price: Any
 
 
 @dataclass(frozen=True)
@@ -81,18 +82,24 @@ class Form:
             plant=self.system.turned(arguments.plant, lane.sign),
             free=lane.free,
             row_weight=lane.row_weight,
+            price=lane.price,
         )
         return with_slacks(u, self.shared) if self.kind == "slacks" else u, own
 
 
 def broadcast_lanes(
-    u: Floats, free: Array | Floats, row_weight: Array | Floats, sign: Floats
+    u: Floats,
+    free: Array | Floats,
+    row_weight: Array | Floats,
+    sign: Floats,
+    price: Floats | float = 1.0,
 ) -> Lanes:
-    """Lanes from starts (S, N, b) and data that all of them share."""
+    """Lanes from starts (S, N, b) and data that all of them may share."""
     count = len(u)
     return Lanes(
         u,
         np.broadcast_to(np.asarray(free), u.shape),
         np.broadcast_to(np.asarray(row_weight), (count, np.shape(row_weight)[-1])),
         np.broadcast_to(np.asarray(sign, float), (count,)),
+        np.broadcast_to(np.asarray(price, float), u.shape[:2]),
     )

@@ -186,7 +186,7 @@ def decide(task: SparseTask, starts: Starts, method: Method) -> tuple[Floats, Ma
     rows[::2] = np.inf  # the printed cost may prefer standing still: half the starts must arrive
     if task.system.decided_by is DecidedBy.BOUNDS and method.decides == "l1":
         return starts.u * free, np.any(free > 0.0, axis=-1, keepdims=True)
-    lanes = Lanes(starts.u * free, free, rows, starts.sign)
+    lanes = broadcast_lanes(starts.u * free, free, rows, starts.sign)
     if method.reweights_for(task):
         found = reweight(task, lanes, method, method.deciding(task))
         u = np.nan_to_num(np.asarray(found.u))

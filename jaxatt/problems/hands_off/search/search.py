@@ -2,8 +2,9 @@
 
 1. From every start a homotopy of reweighted Newton steps decides which intervals are active.
 2. The support is frozen and the L1 effort is minimised on it, with all constraints.
-3. The best supports found are improved by dropping and moving single intervals.
-4. Every answer is flown again; only those flights are ranked and reported.
+3. Where many intervals stay active, reweighted least effort from there makes them fewer.
+4. The best supports found are improved by dropping and moving single intervals.
+5. Every answer is flown again; only those flights are ranked and reported.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, jo
 from jaxatt.problems.hands_off.search.enumeration import from_pairs
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
+from jaxatt.problems.hands_off.search.reweighted_effort import reweighted
 from jaxatt.problems.hands_off.search.starts import Starts, draw
 from jaxatt.problems.hands_off.sparse_program import DecidedBy
 from jaxatt.problems.hands_off.task import SparseTask
@@ -29,7 +31,7 @@ from jaxatt.runtime.chunks import Report, chunk_for
 
 _IMPROVED = 2
 _FEW = 4
-"""Active intervals up to which an answer is not compared with bursts at both ends."""
+"""Active intervals up to which nothing but moves of single intervals is tried to have fewer."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,12 @@ def search(
         starts = _drawn(task, method(first, ""), count, seed, scaled)
         ended = from_starts(first)
     pool = ended
-    if task.goal.kind != "l1" and not ended.verdict.reached.any():
+    reached_first = task.goal.terminal == "reach"
+    counting = method("l0", "reweighting the effort")
+    many = task.goal.kind == "l0" and reached_first and _most(task, ended) > _FEW
+    if many and counting.spends_least_for(task):
+        pool = join(ended, reweighted(task, ended, counting))
+    if task.goal.kind != "l1" and not pool.verdict.reached.any():
         # Where counting leads nowhere, the L1 optimum is the source's own guess for the support.
         rescued = from_starts("l1")
         if rescued.verdict.reached.any():
@@ -98,7 +105,6 @@ def search(
             way = np.ones(len(u))
             pool = join(ended, polish(task, u, supports, way, method("l0", "polishing")))
 
-    reached_first = task.goal.terminal == "reach"
     if not reached_first:
         pool = join(pool, _resting(task))
     if task.goal.kind != "l1" and reached_first:

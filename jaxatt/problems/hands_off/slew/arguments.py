@@ -133,6 +133,7 @@ def slew_arguments(
         free=jax.device_put(free),
         count_scale=jax.device_put(1.0),
         effort_scale=jax.device_put(0.0),
+        price=jax.device_put(np.ones(len(weight))),
         effort_map=jax.device_put(effort_map),
         row_weight=jax.device_put(rows if soft else np.full(len(rows), np.inf)),
     )
