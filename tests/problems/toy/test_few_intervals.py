@@ -15,7 +15,7 @@ from jaxatt.problems.toy.build import build_toy
 
 STARTS = 16
 PUBLISHED = 38
-"""29 intervals of 0.05 s one way and 9 the other: the least effort is 1.837722 s, the impulse -1 s."""
+"""Of 0.05 s, 29 one way and 9 the other: the least effort is 1.837722 s, the impulse -1 s."""
 
 
 def task_of(**changes):

@@ -16,7 +16,7 @@ import numpy as np
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.ahead import compiled_ahead
-from jaxatt.problems.hands_off.search.bang_off_bang import fewest_bang_off_bang
+from jaxatt.problems.hands_off.search.bang_off_bang import fewest_bang_off_bang, one_between
 from jaxatt.problems.hands_off.search.bounded_search import from_bounded_starts, search_bounded
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
 from jaxatt.problems.hands_off.search.elimination import with_fewer_intervals
@@ -30,7 +30,7 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
 _IMPROVED = 2
-_FEW = 4
+_FEW = 2
 """Active intervals up to which an answer is not compared with bursts at both ends."""
 
 
@@ -107,8 +107,10 @@ def search(
         # Random starts end up far apart, where a torque limit that binds leaves no room for that.
         most = _most(task, pool)
         bursts = method("l0", "trying bursts at both ends")
-        if most > _FEW and (ends := fewest_bang_off_bang(task, most, bursts)) is not None:
+        if most > _FEW and (ends := fewest_bang_off_bang(task, most + 1, bursts)) is not None:
             pool = join(pool, ends)
+            if (between := one_between(task, ends, bursts)) is not None:
+                pool = join(pool, between)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
