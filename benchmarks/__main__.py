@@ -99,7 +99,8 @@ def main() -> None:
     options = parser.parse_args()
     report: dict[str, Any] = {"machine": machine(), "peak_flops": fused_peak()}
     batches = (64,) if options.quick else (64, 256, 1024)
-    cases = SLEWS[:1] if options.quick else (*SLEWS, "double-integrator")
+    slews = SLEWS[:1] if options.quick else SLEWS
+    cases = slews if options.quick else (*slews, "double-integrator")
     rows: list[jaxatt_side.Throughput] = []
     for batch in batches:
         rows += jaxatt_side.rollouts(batch, options.repeats)
@@ -108,7 +109,7 @@ def main() -> None:
     if not options.quick:
         rows += jaxatt_side.rollouts(_LARGE_BATCH, options.repeats)
         _tell(rows[-2:])
-    for case in cases[1:]:
+    for case in slews[1:]:
         rows.append(jaxatt_side.searches(case, options.starts, options.repeats))
         _tell(rows[-1:])
     for case in (cases[0], cases[-1]):

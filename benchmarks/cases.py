@@ -8,6 +8,7 @@ from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.toy.build import build_toy
 
 HALF_TORQUE = "-half-torque"
 """Ending of a case's name: the same slew with every wheel's torque limit halved."""
@@ -41,4 +42,5 @@ def scenario_of(case: str) -> Scenario:
 
 def task_of(case: str) -> SparseTask:
     """SparseTask of a case; `jax_enable_x64` must be on."""
-    return build_slew(scenario_of(case))
+    scenario = scenario_of(case)
+    return build_toy(scenario) if scenario.vehicle is None else build_slew(scenario)

@@ -11,8 +11,11 @@ import jax.numpy as jnp
 
 J2000 = dt.datetime(2000, 1, 1, 12, tzinfo=dt.UTC)
 SECONDS_PER_DAY = 86400.0
+DAYS_PER_CENTURY = 36525.0
 EARTH_RATE = 7.292115146706979e-5
 """Rate of the Earth's rotation [rad/s]."""
+TERRESTRIAL_TIME_AHEAD = 69.184
+"""Terrestrial Time less UTC since 2017 [s]."""
 
 
 _LEAP_SECOND = re.compile(r"(?<=:\d\d):60(?=\.|,|Z|z|[+-]|$)")
@@ -38,6 +41,14 @@ def parse(text: str) -> dt.datetime:
 def days_since_j2000(moment: dt.datetime) -> float:
     """Days since J2000, with UTC taken for UT1 (less than a second apart)."""
     return (moment - J2000).total_seconds() / SECONDS_PER_DAY
+
+
+def terrestrial(days: jax.Array) -> jax.Array:
+    """Days (...) of Terrestrial Time since J2000, by which planets move; days (...) in UTC.
+
+    With the leap seconds of 2017: within 12 s since 1990, in which the sun moves 0.0002 deg.
+    """
+    return days + TERRESTRIAL_TIME_AHEAD / SECONDS_PER_DAY
 
 
 def decimal_year(moment: dt.datetime) -> float:

@@ -59,7 +59,7 @@ class Shapes:
     """Random choices of S paths.
 
     brake, speed_up : (S, 1) parts of the time.  away : (S, 1), whether what is left is turned the
-    long way.  detours : (S, 2, 3) [rad].
+    long way.  detours : (S, 2, 3) [rad], in inertial axes: body axes may be named anew.
     """
 
     brake: Floats
@@ -117,7 +117,8 @@ def attitudes(ends: Ends, shape: Shapes, duration: Floats, at: Floats) -> Floats
     rest = rest * np.where(rest[..., :1] >= 0.0, 1.0, -1.0)
     rest = rest * np.where(shape.away[..., None], -1.0, 1.0)
     arch = 16.0 * x**2 * (1.0 - x) ** 2
-    detour = shape.detours[:, :1] * arch + shape.detours[:, 1:] * arch * (1.0 - 2.0 * x)
+    detours = to_body(ends.q, shape.detours)
+    detour = detours[:, :1] * arch + detours[:, 1:] * arch * (1.0 - 2.0 * x)
     turn = turned_by((3.0 * x**2 - 2.0 * x**3) * turn_of(rest) + detour)
     return product(product(braked(x), product(begin, turn)), to_go(1.0 - x))
 

@@ -105,8 +105,9 @@ def test_sun_at_equinoxes_and_solstices(moment, right_ascension, declination):
     # The seasons belong to the equinox of the date.
     x, y, z = np.asarray(precession(days) @ sun.sun_direction(days))
     turned = (np.rad2deg(np.arctan2(y, x)) - right_ascension + 180.0) % 360.0 - 180.0
-    assert abs(turned) < 0.02
-    assert abs(np.rad2deg(np.arcsin(z)) - declination) < 0.02
+    # A minute, to which the Almanac rounds, is 0.0007 deg, and nutation as much as 0.005 deg.
+    assert abs(turned) < 0.006
+    assert abs(np.rad2deg(np.arcsin(z)) - declination) < 0.006
 
 
 def test_eclipse():

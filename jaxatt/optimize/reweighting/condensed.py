@@ -87,8 +87,8 @@ class CondensedReweighting(Solver):
         matrix = found.matrix + slack[:, None] * jnp.eye(size, dtype=state.u.dtype)
         fresh = weights * found.pullback(solve_spd(matrix, found.reached - found.rows))
         if gradual is not None:
-            most = gradual.reach * jnp.sum(jnp.abs(before))
-            changed = jnp.maximum(jnp.sum(jnp.abs(fresh - before)), _NOTHING)
+            most = gradual.reach * _sum_of_lengths(before)
+            changed = jnp.maximum(_sum_of_lengths(fresh - before), _NOTHING)
             share = jnp.minimum(gradual.share, most / changed)
             fresh = jnp.where(weighted.deciding, before + share * (fresh - before), fresh)
         over = _nearness(program, fresh, args)
@@ -106,6 +106,11 @@ class CondensedReweighting(Solver):
     def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
         """Result with residual and saturation of the last step."""
         return SparseRoot(state.u, state.course.support, state.residual, jnp.any(state.held))
+
+
+def _sum_of_lengths(u: Array) -> Array:
+    """Sum over the stages of the lengths of their controls (N, b), whatever the axes."""
+    return jnp.sum(jnp.sqrt(total(u**2)))
 
 
 def _nearness(program: RootProgram, u: Array, args: Any) -> Array:

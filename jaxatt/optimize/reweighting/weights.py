@@ -23,6 +23,9 @@ from jax import Array
 SUPPORT_THRESHOLD = 1e-3
 """Controls, in units of their scale, that count as active when the support is frozen."""
 
+_CHEAPEST = 1e-9
+"""Least cost of an active stage that is reckoned with: nothing is free of charge."""
+
 
 @jax.tree_util.register_dataclass
 @dataclass(frozen=True)
@@ -142,7 +145,8 @@ def weigh(
     early = jnp.where(settings.deciding > 0, 0.0, settings.factor**i)
     least = jnp.maximum(settings.settled_smoothing, settings.spreading * early)
     spent = jnp.sqrt(u**2 + least**2) / settings.effort
-    weights = support * jnp.where(deciding, counted / importance[:, None], spent)
+    price = jnp.maximum(importance, _CHEAPEST)[:, None]
+    weights = support * jnp.where(deciding, counted / price, spent)
     return Weighted(Course(i + 1, course.pattern, support), weights, deciding, freezing)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
@@ -13,9 +14,12 @@ from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.environment.sun import sun_direction
 from jaxatt.problems.pointing.cones import KEEP_IN, KEEP_OUT, PointingLimits, PointingPath
 from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.settings import RUNS_ONCE
 
 _WIDEST = 1e-9
 """[rad] A guarded half angle stays this far from 0 and pi."""
+
+_sun_direction = jax.jit(sun_direction, compiler_options=RUNS_ONCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +76,7 @@ class Pointing:
             if cone.frame == "sun":
                 assert self.days is not None
                 days = jnp.asarray(self.days + np.asarray(times) / SECONDS_PER_DAY)
-                found[:, i] = sun_direction(days)
+                found[:, i] = _sun_direction(days)
             elif cone.frame == "orbit":
                 fixed = np.broadcast_to(cone.direction, (len(times), 3))
                 found[:, i] = quaternion.rotate(orbit_attitude, fixed)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from jaxatt.problems.hands_off.build import goal_of
+from jaxatt.problems.hands_off.windows import forbidden_mask, window_weights
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.toy.task import ToyTask
@@ -20,7 +23,7 @@ def build_toy(
     enforce_speed_limits : without effect, there are no wheels.
     final_time : [s], by default the scenario's horizon.
     """
-    horizon, target = scenario.horizon, scenario.targets[0]
+    horizon, target, goal = scenario.horizon, scenario.targets[0], goal_of(scenario)
     duration = horizon.duration if final_time is None else final_time
     return ToyTask(
         scenario.system,
@@ -30,6 +33,8 @@ def build_toy(
         duration / horizon.intervals,
         scenario.control.limit,
         target.state_tolerance,
-        goal_of(scenario),
+        goal,
+        window_weights(scenario) if goal.kind == "moving-l0" else np.ones(horizon.intervals),
+        forbidden_mask(scenario),
         horizon.substeps or 2,
     )

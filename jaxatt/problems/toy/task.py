@@ -14,11 +14,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from jaxatt.problems.hands_off import sparsity
+from jaxatt.problems.hands_off.printed_cost import support_cost
 from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseArguments, SparseSystem
 from jaxatt.problems.hands_off.task import Goal, SparseTask
 from jaxatt.problems.verdict import Verdict
-from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import in_chunks
 
 _VERIFICATION_FACTOR = 20
@@ -117,7 +117,10 @@ def _fly_many(name: str, controls: Array, p: ToyParameters, substeps: int) -> Ar
 
 
 class ToyTask(SparseTask):
-    """Drive a toy system from one state to another with a sparse control."""
+    """Drive a toy system from one state to another with a sparse control.
+
+    weight : (N,), h_k.  forbidden : (N,), intervals without control.
+    """
 
     threshold = 1e-6
     size = 1
@@ -132,6 +135,8 @@ class ToyTask(SparseTask):
         limit: float,
         tolerance: float,
         goal: Goal,
+        weight: Floats,
+        forbidden: Flags,
         substeps: int = 2,
     ):
         self.name, self.goal, self.intervals, self.step = name, goal, intervals, step
@@ -142,8 +147,8 @@ class ToyTask(SparseTask):
         )
         self.arguments = SparseArguments(
             plant=self.parameters,
-            weight=jnp.ones(intervals),
-            free=jnp.ones((intervals, 1)),
+            weight=jnp.asarray(weight),
+            free=jnp.where(jnp.asarray(forbidden), 0.0, 1.0)[:, None],
             count_scale=jnp.asarray(1.0),
             effort_scale=jnp.asarray(0.0),
             price=jnp.ones(intervals),
@@ -197,8 +202,8 @@ class ToyTask(SparseTask):
         """Printed cost: the L1 norm as an integral, or the relaxed count of section 3.7.5."""
         if self.goal.kind == "l1":
             return {"l1": self.l1_effort(controls)}
-        xi = sparsity.complementarity_vector(controls, self.goal.epsilon)
-        return {"sparsity": (1.0 - xi).sum(axis=1)}
+        weight = np.asarray(self.arguments.weight)
+        return {"sparsity": support_cost(controls, self.goal, weight)}
 
     def long_way_probability(self) -> float:
         """Zero: there is no other way round."""

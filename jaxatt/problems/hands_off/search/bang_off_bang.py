@@ -16,13 +16,16 @@ from jaxatt.optimize.reweighting.bounded import BETWEEN_BOUNDS, BoundedReweighti
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
-from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate
+from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, support_of
 from jaxatt.problems.hands_off.search.polish import Method, polish, screen
 from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Floats
 
 _NEARLY_HARD = 1e5
 """Weight of a squared row against that of a squared scaled control."""
+
+_PLACES = 50
+"""At most as many places are tried for one interval."""
 
 _NEAREST = BoundedReweighting(
     replace(BETWEEN_BOUNDS, deciding=0, settling=40, settled_smoothing=1.0), reach=10.0
@@ -67,6 +70,32 @@ def fewest_bang_off_bang(task: SparseTask, most: int, method: Method) -> Candida
         else:
             least = size
     return found
+
+
+def one_between(task: SparseTask, found: Candidates, method: Method) -> Candidates | None:
+    """Try one interval fewer than bang-off-bang answers: one less at each end, and one between.
+
+    found : as `fewest_bang_off_bang` returns them.  None where there is no room between the ends.
+    """
+    allowed = (np.asarray(task.arguments.free) > 0).any(axis=1)
+    supports, signs = [], []
+    for index in np.flatnonzero(found.verdict.reached):
+        active = np.flatnonzero(support_of(task, found.controls[index]).any(axis=-1))
+        if len(active) < 2:
+            continue
+        gap = int(np.diff(active).argmax())
+        kept = np.delete(active, [gap, gap + 1])
+        inside = np.flatnonzero(allowed[active[gap] : active[gap + 1] + 1]) + active[gap]
+        places = inside[np.unique(np.linspace(0, len(inside) - 1, _PLACES).round().astype(int))]
+        for place in places:
+            support = np.zeros((task.intervals, 1), bool)
+            support[[*kept, place]] = True
+            supports.append(support)
+            signs.append(found.sign[index])
+    if not supports:
+        return None
+    rest = np.zeros((len(supports), task.intervals, task.size))
+    return screen(task, rest, np.stack(supports), np.array(signs), method)
 
 
 def nearest_bang_off_bang(

@@ -1,7 +1,8 @@
 """Multi-start search for the sparsest control.
 
 1. From every start a homotopy of reweighted Newton steps decides which intervals are active.
-2. The support is frozen and the L1 effort is minimised on it, with all constraints.
+2. The support is frozen and the L1 effort is minimised on it, with all constraints; where one
+   control is all that an interval has, intervals that it can do without are left out.
 3. Where many intervals stay active, reweighted least effort from there makes them fewer.
 4. The best supports found are improved by dropping and moving single intervals.
 5. Every answer is flown again; only those flights are ranked and reported.
@@ -16,9 +17,10 @@ import numpy as np
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.search.ahead import compiled_ahead
-from jaxatt.problems.hands_off.search.bang_off_bang import fewest_bang_off_bang
+from jaxatt.problems.hands_off.search.bang_off_bang import fewest_bang_off_bang, one_between
 from jaxatt.problems.hands_off.search.bounded_search import from_bounded_starts, search_bounded
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
+from jaxatt.problems.hands_off.search.elimination import with_fewer_intervals
 from jaxatt.problems.hands_off.search.enumeration import from_pairs
 from jaxatt.problems.hands_off.search.local_search import improve
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
@@ -31,7 +33,9 @@ from jaxatt.runtime.chunks import Report, chunk_for
 
 _IMPROVED = 2
 _FEW = 4
-"""Active intervals up to which nothing but moves of single intervals is tried to have fewer."""
+"""Active intervals up to which reweighted least effort is not tried to have fewer."""
+_COMPARED = 2
+"""Active intervals up to which an answer is not compared with bursts at both ends."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +82,8 @@ def search(
         return Method(decides, name, reweights, chunk_for(count), progress)
 
     def from_starts(decides: str) -> Candidates:
-        u, supports = decide(task, starts, method(decides, "deciding which intervals are active"))
-        return polish(task, u, supports, starts.sign, method(decides, "polishing"))
+        deciding = method(decides, "deciding which intervals are active")
+        return _ended(task, starts, deciding, method(decides, "polishing"))
 
     if task.system.decided_by is DecidedBy.BOUNDS:
         found = search_bounded(task, count, seed, guess, method)
@@ -111,8 +115,10 @@ def search(
         # Random starts end up far apart, where a torque limit that binds leaves no room for that.
         most = _most(task, pool)
         bursts = method("l0", "trying bursts at both ends")
-        if most > _FEW and (ends := fewest_bang_off_bang(task, most, bursts)) is not None:
+        if most > _COMPARED and (ends := fewest_bang_off_bang(task, most + 1, bursts)) is not None:
             pool = join(pool, ends)
+            if (between := one_between(task, ends, bursts)) is not None:
+                pool = join(pool, between)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
         order = pool.order(reached_first)[:_IMPROVED]
@@ -142,9 +148,18 @@ def look(task: SparseTask, count: int, seed: int) -> Candidates:
     rows = chunk_for(count)
     if task.system.decided_by is DecidedBy.BOUNDS:
         return from_bounded_starts(task, count, seed, None, lambda d, _: Method(d, rows=rows))
-    starts = _drawn(task, Method(decides, rows=rows), count, seed, None)
-    u, supports = decide(task, starts, Method(decides, rows=rows))
-    return polish(task, u, supports, starts.sign, Method(decides, rows=rows))
+    method = Method(decides, rows=rows)
+    return _ended(task, _drawn(task, method, count, seed, None), method, method)
+
+
+def _ended(task: SparseTask, starts: Starts, deciding: Method, polishing: Method) -> Candidates:
+    """Answers of starts, each on the support that it decided."""
+    u, supports = decide(task, starts, deciding)
+    ended = polish(task, u, supports, starts.sign, polishing)
+    # With several controls, and so more to be spread, bursts at both ends do better and sooner.
+    if task.size > 1 or not polishing.spends_least_for(task):
+        return ended
+    return with_fewer_intervals(task, ended, polishing)
 
 
 def _most(task: SparseTask, pool: Candidates) -> int:
