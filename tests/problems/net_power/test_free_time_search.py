@@ -55,6 +55,34 @@ def test_a_turn_reaches_and_is_worth_what_the_solver_says(answer):
     assert (np.abs(phase.controls) <= limit * (1.0 + 1e-12)).all()
 
 
+def multiplied(scenario, factor):
+    """The turn of a satellite `factor` times as heavy, strong and well lit."""
+    craft, document = scenario.vehicle, scenario.document
+    coils, disturbances = craft.magnetorquers, document["disturbances"]
+    residual = np.asarray(disturbances["residual_dipole_Am2"])
+    changes = {
+        "vehicle.inertia_kgm2": factor * craft.inertia,
+        "vehicle.panels.area_m2": factor * craft.panels.area,
+        "vehicle.magnetorquers.dipole_limit_Am2": factor * coils.dipole_limit,
+        "vehicle.magnetorquers.turns": 1.0,
+        "vehicle.magnetorquers.coil_area_m2": 1.0,
+        "vehicle.magnetorquers.resistance_ohm": coils.loss_coefficient / factor,
+        "disturbances.residual_dipole_Am2": factor * residual,
+        "disturbances.eddy_coefficient": factor * disturbances["eddy_coefficient"],
+        "objective.time_weight_W_s": factor * document["objective"]["time_weight_W_s"],
+    }
+    return scenarios.replace(scenario, changes)
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e3])
+def test_a_larger_satellite_turns_alike_and_earns_in_proportion(answer, factor):
+    want = answer.phases[0]
+    phase = jaxatt.solve(multiplied(turn(900.0), factor), starts=STARTS).phases[0]
+    assert phase.reached
+    assert phase.final_time == pytest.approx(want.final_time, rel=1e-4)
+    assert net_power(phase).cost == pytest.approx(factor * net_power(want).cost, rel=1e-5)
+
+
 def test_starts_are_ranked_by_the_cost(answer):
     (phase,) = answer.phases
     found, reached = net_power(phase), phase.starts.reached

@@ -24,6 +24,8 @@ SUBSTEPS = 4
 """Runge-Kutta steps an interval where nobody says how many."""
 _TYPICAL_FIELD = 3e-5
 """[T] In low orbits; it only sets a unit of time."""
+_USUAL_POWER = 16.0
+"""[W] Of the panels of a CubeSat; costs count in what other panels give more or less."""
 _WIDTH = 0.02
 """[rad] In which the light changes at an edge of the shadow, for the first passes."""
 _SMOOTHING = 1e-7
@@ -105,12 +107,15 @@ class MagneticTask:
         energy = m.cost == "energy"
         best = self.sun_attitudes(start[None, :4], 0.0)[0]
         seen = rotated_back(best, self.sun_at(0.0))
+        area = float(collecting_area(craft.panels, jnp.asarray(seen)))
+        # The nearest power of two rounds nothing.
+        power = math.ldexp(1.0, round(math.log2(stored * light.irradiance * area / _USUAL_POWER)))
         return MagneticParameters(
             environment=in_time(satellite.orbit, light, m.start_time, m.start_time + m.longest),
             shadow=light.shadow,
             panels=craft.panels,
             irradiance=jnp.asarray(stored * light.irradiance),
-            best_area=jnp.asarray(collecting_area(craft.panels, jnp.asarray(seen))),
+            best_area=jnp.asarray(area),
             load=jnp.asarray(m.load / given),
             inertia=jnp.asarray(craft.inertia),
             inverse=jnp.asarray(np.linalg.inv(np.asarray(craft.inertia))),
@@ -129,7 +134,7 @@ class MagneticTask:
             attitude_weight=jnp.asarray(m.attitude_weight),
             rate_weight=jnp.asarray(m.rate_weight),
             time_weight=jnp.asarray(m.time_weight),
-            scale=jnp.asarray(1.0 / (10.0 * self.unit) if energy else 1.0),
+            scale=jnp.asarray((1.0 / (10.0 * self.unit) if energy else 1.0) / power),
             panel_smoothing=jnp.asarray(_SMOOTHING),
             shadow_width=jnp.asarray(_WIDTH),
             shortest=jnp.asarray(m.shortest),
