@@ -108,10 +108,11 @@ def search(
     if not reached_first:
         pool = join(pool, _resting(task))
     if task.goal.kind != "l1" and reached_first:
-        # Random starts end up far apart, where a torque limit that binds leaves no room for that.
+        # Random starts end up far apart, where a torque limit that binds leaves no room for that; as
+        # many intervals at both ends may take less effort.
         most = _most(task, pool)
         bursts = method("l0", "trying bursts at both ends")
-        if most > _FEW and (ends := fewest_bang_off_bang(task, most, bursts)) is not None:
+        if most > _FEW and (ends := fewest_bang_off_bang(task, most + 1, bursts)) is not None:
             pool = join(pool, ends)
     if task.goal.kind != "l1":
         moving = method("l0", "moving single intervals")
