@@ -113,6 +113,7 @@ def search(
         pool = join(pool, _resting(task))
     if task.goal.kind != "l1" and reached_first:
         # Random starts end up far apart, where a torque limit that binds leaves no room for that.
+        # As many intervals at both ends may take less effort, so they compete, too.
         most = _most(task, pool)
         bursts = method("l0", "trying bursts at both ends")
         if most > _COMPARED and (ends := fewest_bang_off_bang(task, most + 1, bursts)) is not None:
