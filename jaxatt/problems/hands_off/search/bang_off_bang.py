@@ -19,7 +19,7 @@ from jaxatt.problems.hands_off.search.batch import broadcast_lanes
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, support_of
 from jaxatt.problems.hands_off.search.polish import Method, polish, screen
 from jaxatt.problems.hands_off.task import SparseTask
-from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.arrays import Flags, Floats
 
 _NEARLY_HARD = 1e5
 """Weight of a squared row against that of a squared scaled control."""
@@ -84,18 +84,25 @@ def one_between(task: SparseTask, found: Candidates, method: Method) -> Candidat
         if len(active) < 2:
             continue
         gap = int(np.diff(active).argmax())
-        kept = np.delete(active, [gap, gap + 1])
-        inside = np.flatnonzero(allowed[active[gap] : active[gap + 1] + 1]) + active[gap]
-        places = inside[np.unique(np.linspace(0, len(inside) - 1, _PLACES).round().astype(int))]
-        for place in places:
+        inside = np.flatnonzero(allowed & _between(task.intervals, active[gap], active[gap + 1]))
+        if not len(inside):
+            continue
+        spread = np.linspace(0, len(inside) - 1, _PLACES).round().astype(int)
+        for place in inside[np.unique(spread)]:
             support = np.zeros((task.intervals, 1), bool)
-            support[[*kept, place]] = True
+            support[[*np.delete(active, [gap, gap + 1]), place]] = True
             supports.append(support)
             signs.append(found.sign[index])
     if not supports:
         return None
     rest = np.zeros((len(supports), task.intervals, task.size))
     return screen(task, rest, np.stack(supports), np.array(signs), method)
+
+
+def _between(intervals: int, first: int, last: int) -> Flags:
+    """Which intervals (N,) lie between two others."""
+    index = np.arange(intervals)
+    return np.asarray((index > first) & (index < last))
 
 
 def nearest_bang_off_bang(
