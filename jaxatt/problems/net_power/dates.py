@@ -15,6 +15,7 @@ from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power.baseline import fly_baseline
 from jaxatt.problems.net_power.broken_margins import broken_margins
 from jaxatt.problems.net_power.build import beginning, options_of
+from jaxatt.problems.net_power.corrected import corrected
 from jaxatt.problems.net_power.flight import PoweredFlight, fly_many
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.judge import judge_flight
@@ -34,7 +35,8 @@ from jaxatt.runtime.chunks import Report
 _AT_ONCE = 64
 """Dates that go through a task together, which bounds the memory of a year."""
 _TRIES = 3
-"""Answers of a date that are flown, the best by the solver's count first, until one reaches."""
+"""Answers of a date that are flown, the best by the solver's count first, until one reaches; one
+that just misses is corrected first."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +135,7 @@ def _plan_on_some(
             base = flight if law is None else fly_baseline(manoeuvres, law)
         else:
             flight = fly_held(manoeuvres, np.tile(held_rate(task), (len(rows), 1)))
-            verdict, base = judge_flight(manoeuvres[0], flight), flight
+            verdict, base = _judged(manoeuvres, flight), flight
         _note(dates, rows, index, task, manoeuvres, flight, verdict, base)
     return dates
 
@@ -196,13 +198,37 @@ def _harvests(
                     if s.dipole is not None
                 ]
             )
-        flight = fly_many(manoeuvres, np.arange(len(manoeuvres)), torque, dipole)
-        verdict = judge_flight(manoeuvres[0], flight, dipole is not None)
+        flight, verdict = _flown(manoeuvres, torque, dipole)
+        if not verdict.reached.all():
+            for k in np.flatnonzero(~verdict.reached):
+                held = None if dipole is None else dipole[k]
+                torque[k] = corrected(manoeuvres[k], torque[k], held)
+            flight, verdict = _flown(manoeuvres, torque, dipole)
         if verdict.reached.all() or attempt + 1 == _TRIES:
             break
         last = attempt + 1
         chosen = [c if ok else last for c, ok in zip(chosen, verdict.reached, strict=True)]
     return flight, verdict
+
+
+def _flown(
+    manoeuvres: Sequence[Manoeuvre], torque: Floats, dipole: Floats | None
+) -> tuple[PoweredFlight, Verdict]:
+    """Fly one answer to each manoeuvre, and judge it."""
+    flight = fly_many(manoeuvres, np.arange(len(manoeuvres)), torque, dipole)
+    return flight, _judged(manoeuvres, flight, dipole is not None)
+
+
+def _judged(
+    manoeuvres: Sequence[Manoeuvre], flight: PoweredFlight, decided_dipole: bool = False
+) -> Verdict:
+    """Judge each flight by its own manoeuvre: a place on the ground moves with the date."""
+    return Verdict.join(
+        [
+            judge_flight(manoeuvre, flight, decided_dipole).pick(np.array([k]))
+            for k, manoeuvre in enumerate(manoeuvres)
+        ]
+    )
 
 
 def _ranked(solved: Solved) -> list[int]:
