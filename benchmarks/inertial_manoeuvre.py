@@ -103,7 +103,7 @@ def of_turn(task: ReorientationTask) -> InertialManoeuvre:
     """A turn in free time; its controls are the torques of all wheels."""
     start = np.asarray(task.start.q_ob)
     return InertialManoeuvre(
-        np.asarray(task.parameters.body.inverse),
+        np.linalg.inv(np.asarray(task.craft.inertia_without_spin)),
         host_turns.to_body(host_turns.conjugate(start), task.momentum),
         start,
         np.asarray(task.start.omega_ib),
