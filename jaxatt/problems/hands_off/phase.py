@@ -13,7 +13,7 @@ from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.hands_off import sparsity
 from jaxatt.problems.hands_off.record import FinalTimes, SparseSection, Valves
 from jaxatt.problems.hands_off.search.candidates import Candidates
-from jaxatt.problems.hands_off.search.quantise import MODES, quantise
+from jaxatt.problems.hands_off.search.quantise import MODES, Quantised, quantise
 from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown, SparseTask
@@ -24,7 +24,7 @@ from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
 from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
-from jaxatt.records.wording import broken_limit, plural
+from jaxatt.records.wording import broken_limit, plural, uncertain_flight
 from jaxatt.runtime.arrays import Floats
 
 Fly = Callable[[Any, Floats], Flown]
@@ -128,18 +128,24 @@ def _valves(
             q.mode,
             q.pulses.opens,
             q.pulses.shuts,
-            np.asarray(q.flown.q_ob),
-            np.asarray(q.flown.omega_ob),
+            np.asarray(q.flown.q_ob)[0],
+            np.asarray(q.flown.omega_ob)[0],
             q.errors,
             q.reached,
             q.active,
             q.on_time,
             q.partly_open,
             q.opposed,
-            "; ".join(broken_limit(extreme) for extreme in q.extremes if not extreme.satisfied),
+            "; ".join(_broken(q)),
         )
         for q in found
     )
+
+
+def _broken(q: Quantised) -> list[str]:
+    """What keeps a flight with valves open or shut from counting as reached, beside its errors."""
+    words = [broken_limit(extreme) for extreme in q.extremes if not extreme.satisfied]
+    return words if q.flight_error.agreed else [*words, uncertain_flight(q.flight_error)]
 
 
 def _failure_reason(task: SparseTask, answer: Candidates, flown: Flown) -> str:

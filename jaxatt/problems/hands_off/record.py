@@ -23,7 +23,8 @@ class Valves:
     active : (N,), intervals with any torque.  on_time : (m,) [s].
     partly_open : sampled torques that are neither zero nor the limit.
     opposed : intervals in which opposed thrusters are open together.
-    failure_reason : which cones and rate limits it breaks, in words; empty where none.
+    failure_reason : which cones and rate limits it breaks, and whether the flight is too uncertain
+        to tell, in words; empty where none.
     """
 
     mode: str

@@ -200,7 +200,7 @@ def _harvests(
             )
         flight, verdict = _flown(manoeuvres, torque, dipole)
         if not verdict.reached.all():
-            for k in np.flatnonzero(~verdict.reached):
+            for k in np.flatnonzero(~verdict.reached).tolist():
                 held = None if dipole is None else dipole[k]
                 torque[k] = corrected(manoeuvres[k], torque[k], held)
             flight, verdict = _flown(manoeuvres, torque, dipole)
