@@ -23,7 +23,7 @@ from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorie
 from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import in_chunks
+from jaxatt.runtime.chunks import in_chunks, rows_of_flights
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, advance, fly_torque
 from jaxatt.simulation.flight_error import fly_in_pieces, judging_steps
@@ -279,6 +279,7 @@ class ReorientationTask:
             flown: Trajectory = in_chunks(
                 lambda chunk: _fly_many(craft, start, chunk[0], table, chunk[1]),
                 (rows, h),
+                rows_of_flights(len(rows)),
                 key=("fly reorientation", rows.shape[1:], substeps),
             )
             return flown

@@ -15,7 +15,7 @@ from jaxatt.environment.table import EnvironmentTable, Surroundings, tabulate
 from jaxatt.problems.manoeuvre import Grid
 from jaxatt.problems.pointing.watch import PathMonitor
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import CHUNK, in_chunks
+from jaxatt.runtime.chunks import CHUNK, in_chunks, rows_of_flights
 from jaxatt.runtime.compilation import Routine
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
 from jaxatt.simulation.flight_error import fly_in_pieces
@@ -83,8 +83,9 @@ class SlewFlights:
     def begin(self, pool: Executor, watched: bool) -> None:
         """Compile ahead what `torques` runs."""
         count = (self.grid.intervals + self.grid.coast) * (self.steps if watched else 1)
-        torque = np.zeros((CHUNK, count, self.craft.actuators))
-        _fly_many.begin(pool, self.craft, self.start, torque, self._table(watched))
+        for rows in (CHUNK, 1):
+            torque = np.zeros((rows, count, self.craft.actuators))
+            _fly_many.begin(pool, self.craft, self.start, torque, self._table(watched))
 
     def pulses(
         self, pulses: Pulses, watched: bool, coarse: bool = False, times: int = 1
@@ -121,6 +122,7 @@ class SlewFlights:
         flown: Trajectory = in_chunks(
             lambda chunk: _fly_many(craft, start, chunk, table),
             torque,
+            rows_of_flights(len(torque)),
             key=("fly", torque.shape[1:], table.stages.gradient.shape),
         )
         return flown
