@@ -88,7 +88,7 @@ def test_the_count_is_that_of_the_vehicle_in_many_frames():
         counts = {active(task_of(ends, limit, turn)[0]) for turn in turns}
         assert max(counts) - min(counts) <= 1
         differ += len(counts) > 1
-    assert differ <= 2
+    assert differ <= 3
 
 
 def test_starts_in_motion_turn_with_the_axes():
