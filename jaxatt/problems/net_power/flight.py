@@ -33,6 +33,8 @@ LONGEST_STEP = 0.5
 
 _SHARE = 0.1
 """Of the tolerance of the attitude, what the steps alone may be wrong by."""
+_MOST_TIMES = 64
+"""Times the usual steps, at most; a flight that needs more is said to be uncertain."""
 
 _ROWS = 16
 """Flights in one compiled call where each has surroundings of its own."""
@@ -88,11 +90,12 @@ def steps_for(manoeuvre: Manoeuvre) -> int:
         return usual
     craft, start = manoeuvre.satellite.craft, manoeuvre.start
     stored = np.asarray(craft.wheels.axes) @ (np.asarray(craft.wheels.inertia) * start.omega_bw)
-    momentum = np.linalg.norm(np.asarray(craft.inertia) @ start.omega_ib + stored)
-    nutation = momentum / np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin)).min()
-    off = manoeuvre.duration * nutation**5 * (manoeuvre.step / usual) ** 4 / 120.0
+    with np.errstate(over="ignore"):
+        momentum = np.linalg.norm(np.asarray(craft.inertia) @ start.omega_ib + stored)
+        nutation = momentum / np.linalg.eigvalsh(np.asarray(craft.inertia_without_spin)).min()
+        off = manoeuvre.duration * nutation**5 * (manoeuvre.step / usual) ** 4 / 120.0
     times = (off / (_SHARE * manoeuvre.end.attitude_tolerance)) ** (1.0 / 4.0)
-    return usual << max(0, math.ceil(math.log2(max(times, 1e-300)) - 1e-9))
+    return usual << math.ceil(math.log2(np.clip(times, 1.0, _MOST_TIMES)) - 1e-9)
 
 
 def fly_with_twice_the_steps(
