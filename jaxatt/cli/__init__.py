@@ -11,9 +11,11 @@ import typer
 
 from jaxatt.cli.certify import certify
 from jaxatt.cli.compare import compare
+from jaxatt.cli.merge import merge
 from jaxatt.cli.pareto import pareto
 from jaxatt.cli.plan import plan
 from jaxatt.cli.scenarios import scenarios
+from jaxatt.cli.show import show
 from jaxatt.cli.simulate import simulate
 from jaxatt.cli.solve import solve
 from jaxatt.cli.sparsity import sparsity
@@ -26,7 +28,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (solve, plan, pareto, compare, simulate, certify, sparsity, sweep):
+for command in (solve, plan, pareto, compare, simulate, certify, sparsity, sweep, merge, show):
     app.command()(command)
 app.add_typer(scenarios, name="scenarios")
 

@@ -8,8 +8,11 @@ from typing import Annotated
 
 import typer
 
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.heading import MOST_SEED, MOST_STARTS
 from jaxatt.problems.registry import families
+
+MOST_TASKS = 100_000
 
 
 class Terminal(StrEnum):
@@ -66,4 +69,25 @@ Objective = Annotated[
         show_default=False,
     ),
 ]
+Task = Annotated[
+    str | None,
+    typer.Option(
+        metavar="I/N",
+        help="Solve the share of task I of N only, counted from 0, into a store of its own.",
+        show_default="all",
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]
+
+
+def read_share(text: str | None) -> tuple[int, int]:
+    """Task i of n of a job array from "i/n"; (0, 1), all of it, by default."""
+    if text is None:
+        return (0, 1)
+    first, _, count = text.partition("/")
+    if first.isdecimal() and count.isdecimal() and int(first) < int(count) <= MOST_TASKS:
+        return (int(first), int(count))
+    raise ScenarioError(
+        f"--task {text}: is no task of a job array; write 0/4 for the first of four, 3/4 for the "
+        "last"
+    )

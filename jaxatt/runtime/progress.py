@@ -19,7 +19,10 @@ from rich.progress import (
 _SECONDS_BETWEEN_LINES = 2.0
 """Between lines of the same stage, where there is no terminal that could show a bar."""
 
-_COUNTED = ("deciding", "polishing", "flying")
+SAMPLES = "samples"
+"""Stage of a sweep; its first report says how many were there before."""
+
+_COUNTED = ("deciding", "polishing", "flying", SAMPLES)
 """Stages that treat every start once; how much others will have to do is not known."""
 
 
@@ -41,6 +44,8 @@ class Reporter:
         self._starts, self._console, self._silent = starts, console, silent
         self._stage, self._done = "", 0
         self._told = -_SECONDS_BETWEEN_LINES
+        self._sampling = False
+        self._paced: tuple[float, int] | None = None
         self._task: TaskID | None = None
         self._bar = Progress(
             SpinnerColumn(),
@@ -74,6 +79,7 @@ class Reporter:
         self._done += done
         total = self._total(stage)
         count = str(self._done) if total is None else f"{self._done} of {total}"
+        count += self._time_left(stage)
         if self._console.is_terminal and self._task is not None:
             self._bar.update(
                 self._task, description=stage, total=total, completed=self._done, count=count
@@ -85,8 +91,30 @@ class Reporter:
                     f"{stage}: {count}", highlight=False, markup=False, soft_wrap=True
                 )
 
+    def _time_left(self, stage: str) -> str:
+        """Time that a sweep still takes, from its pace since the first sample, which compiles."""
+        if stage != SAMPLES or self._done == self._starts:
+            return ""
+        if not self._sampling:
+            self._sampling = True
+        elif self._paced is None:
+            self._paced = (time.monotonic(), self._done)
+        elif self._done > self._paced[1]:
+            began, first = self._paced
+            left = (self._starts - self._done) * (time.monotonic() - began) / (self._done - first)
+            return f", about {_words(left)} left"
+        return ""
+
     def _overdue(self) -> bool:
         return time.monotonic() - self._told >= _SECONDS_BETWEEN_LINES
 
     def _total(self, stage: str) -> int | None:
         return self._starts if stage.startswith(_COUNTED) else None
+
+
+def _words(seconds: float) -> str:
+    """Return a duration in the unit that suits it."""
+    for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{seconds:.0f} s"

@@ -103,7 +103,10 @@ def test_merged_tasks_equal_one_run(tmp_path, layout, values) -> None:
     for k, path in enumerate(parts):
         with Store.open_or_create(path, layout) as store:
             fill(store, values, store.pending((k, 3)))
-    assert same(merge(parts, tmp_path / "whole.zarr"), values)
+    found = merge(parts[:2], tmp_path / "whole.zarr")
+    assert (found.done, found.samples) == (SAMPLES - CHUNK, SAMPLES)
+    merge(parts[2:], found.path)
+    assert same(found.path, values)
     merge(parts, tmp_path / "whole.zarr")  # again changes nothing
     assert same(tmp_path / "whole.zarr", values)
 

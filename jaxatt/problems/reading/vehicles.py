@@ -63,6 +63,16 @@ def read_vehicle(
     magnetorquers_alone : bool
         Whether a vehicle may have neither wheels nor thrusters.
     """
+    merged = whole_vehicle(data, origin, folder)
+    whole = Table(merged, origin, "[vehicle]", VEHICLE_FILE_KEYS)
+    return _build(whole, notes, magnetorquers_alone)
+
+
+def whole_vehicle(data: Any, origin: str, folder: Path | None) -> dict[str, Any]:
+    """Return a [vehicle] table with all keys of the vehicle that it uses, its own on top.
+
+    Arguments as for `read_vehicle`.
+    """
     table = Table(data, origin, "[vehicle]", SPACECRAFT_TABLES["vehicle"])
     for name, keys in VEHICLE_PARTS.items():
         if name in table:
@@ -85,8 +95,7 @@ def read_vehicle(
     for name in VEHICLE_PARTS:
         if name in base and name in overrides:
             merged[name] = {**base[name], **overrides[name]}
-    whole = Table(merged, origin, "[vehicle]", VEHICLE_FILE_KEYS)
-    return _build(whole, notes, magnetorquers_alone)
+    return merged
 
 
 def _bundled(table: Table) -> dict[str, Any]:

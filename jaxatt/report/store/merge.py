@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,17 @@ from jaxatt.report.store.zarr_files import opened
 from jaxatt.runtime.files import OutputError
 
 
-def merge(paths: Sequence[str | Path], out: str | Path) -> Path:
-    """Copy all chunks that are done in any of the stores into one; return its path.
+@dataclass(frozen=True)
+class Merged:
+    """A store that others were merged into, and how many of its samples are done."""
+
+    path: Path
+    done: int
+    samples: int
+
+
+def merge(paths: Sequence[str | Path], out: str | Path) -> Merged:
+    """Copy all chunks that are done in any of the stores into one.
 
     Raises `OutputError` where the stores are of different studies or versions, their coordinates
     clash, or two of them hold other values of one sample.
@@ -31,7 +41,7 @@ def merge(paths: Sequence[str | Path], out: str | Path) -> Path:
     with Store.open_or_create(out, layout) as store:
         for path in sources:
             _copy(path, store)
-    return Path(out)
+        return Merged(Path(out), int(store.done.sum()), layout.samples)
 
 
 def _copy(path: Path, store: Store) -> None:

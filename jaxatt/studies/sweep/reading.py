@@ -1,0 +1,227 @@
+"""Read a study from a TOML document."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxatt import scenarios
+from jaxatt.problems.reading.documents import parse, read_file
+from jaxatt.problems.reading.fields import ScenarioError, Table, shown
+from jaxatt.problems.reading.heading import MOST_SEED
+from jaxatt.problems.reading.names import read_name
+from jaxatt.scenarios.loader import plain_values
+from jaxatt.spacecraft.checks import as_float
+from jaxatt.studies.sweep.numbers import EVERY, places, value_at, whole_document
+from jaxatt.studies.sweep.outputs import CLOCK
+from jaxatt.studies.sweep.samples import METHODS, MOST, Range, grid, notes, scattered
+from jaxatt.studies.sweep.study import CHANGES, Study, Varied
+
+_TOP = ("name", "title", "scenario", "outputs", "chunk", "fixed", "sampling", "vary")
+_SAMPLING = ("method", "samples", "seed")
+_VARY = ("field", "name", "change", "values", "from", "to", "count", "spacing", "whole")
+
+
+def is_study(name_or_path: str | Path) -> bool:
+    """Whether this is a bundled study, or a TOML file that varies something."""
+    if scenarios.kind_of(str(name_or_path)) is not None:
+        return scenarios.kind_of(str(name_or_path)) == "study"
+    path = Path(name_or_path)
+    return path.is_file() and bool({"vary", "sampling"} & set(read_file(path)))
+
+
+def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Study:
+    """Return the bundled study of this name, or the one in a TOML file.
+
+    changes : of the scenario, as in [fixed], on top of those.  Raises `ScenarioError`.
+    """
+    name = str(name_or_path)
+    if name in scenarios.names("study"):
+        origin = f"{name}.toml"
+        return read_study(parse(scenarios.text(name), origin), origin, None, changes)
+    path = Path(name_or_path)
+    return read_study(read_file(path), name, path.parent, changes)
+
+
+def read_study(
+    document: Mapping[str, Any],
+    origin: str = "study",
+    folder: Path | None = None,
+    changes: Mapping[str, Any] | None = None,
+) -> Study:
+    """Check a document that has the names of a study's file, and draw its samples.
+
+    folder : where the scenario's file is looked up; the working folder by default.
+    """
+    plain = plain_values(document)
+    top = Table(plain, origin, "", _TOP)
+    name = read_name(top)
+    fixed = {**dict(_flat(plain.get("fixed", {}), "", origin)), **(changes or {})}
+    scenario = _scenario(top.text("scenario", " ").strip(), top, folder)
+    if fixed:
+        scenario = scenarios.replace(scenario, fixed)
+    whole = whole_document(scenario)
+
+    sampling = Table(plain.get("sampling", {}), origin, "[sampling]", _SAMPLING)
+    method = sampling.choice("method", METHODS, "grid")
+    entries = top.require("vary", '"..."')
+    if not isinstance(entries, list) or not entries:
+        top.fail("vary", "is no list of tables", "write one [[vary]] for every swept number")
+    varied = [_varied(entry, k, origin, method, scenario, whole) for k, entry in enumerate(entries)]
+    _check_apart(varied, origin)
+    ranges = [v.range for v in varied]
+    if method == "grid":
+        for key in ("samples", "seed"):
+            if key in sampling:
+                sampling.fail(key, "a grid has all combinations of its values", "drop it")
+        values = grid(ranges)
+        remarks: tuple[str, ...] = ()
+    else:
+        count = sampling.integer("samples", at_most=MOST)
+        values = scattered(
+            method, ranges, count, sampling.integer("seed", 0, at_least=0, at_most=MOST_SEED)
+        )
+        remarks = notes(method, count)
+    # A few hundred chunks: little is lost with a chunk, and few files are made.
+    chunk = top.integer("chunk", max(1, min(256, -(-len(values) // 256))), at_most=MOST)
+    return Study(
+        name=name,
+        title=top.text("title", name),
+        origin=origin,
+        scenario=scenario,
+        whole=whole,
+        varied=tuple(varied),
+        method=method,
+        values=values,
+        outputs=_outputs(top),
+        chunk=min(chunk, len(values)),
+        notes=remarks,
+        document=json.dumps({**plain, "fixed": fixed}, sort_keys=True),
+    )
+
+
+def _scenario(name: str, top: Table, folder: Path | None) -> scenarios.Scenario:
+    if not name:
+        top.fail("scenario", "missing", 'add a line such as scenario = "hypso1-90-45-15"')
+    if name in scenarios.names() or folder is None:
+        return scenarios.load(name)
+    return scenarios.load(folder / name if name.endswith(".toml") else name)
+
+
+def _outputs(top: Table) -> tuple[str, ...]:
+    value = top.require("outputs", '["active_intervals", "l1_effort_Nms"]')
+    if not isinstance(value, list) or not value or not all(isinstance(v, str) for v in value):
+        top.fail("outputs", "is no list of names", "write names of summary.json in quotes")
+    for name in value:
+        if value.count(name) > 1:
+            top.fail("outputs", f"names {name} twice", "keep one of them")
+        if name.split(".")[0] == CLOCK:
+            top.fail("outputs", f"{name} is a clock's, other in every run", "drop it")
+    return tuple(value)
+
+
+def _flat(value: Any, before: str, origin: str) -> Iterator[tuple[str, Any]]:
+    """Entries of nested tables by their dotted names."""
+    if not isinstance(value, dict):
+        raise ScenarioError(
+            f"{origin}: [fixed] = {shown(value)}: is no table; write solver.starts = 8"
+        )
+    for key, item in value.items():
+        name = f"{before}.{key}" if before else key
+        if isinstance(item, dict):
+            yield from _flat(item, name, origin)
+        else:
+            yield name, item
+
+
+def _varied(
+    data: Any,
+    index: int,
+    origin: str,
+    method: str,
+    scenario: scenarios.Scenario,
+    whole: Mapping[str, Any],
+) -> Varied:
+    table = Table(data, origin, f"[[vary]] {index + 1}", _VARY)
+    given = table.require("field", '"vehicle.wheels.torque_limit_Nm"')
+    fields = given if isinstance(given, list) else [given]
+    if not fields or not all(isinstance(field, str) for field in fields):
+        table.fail("field", "is no name", "write the name of a number, or a list of such names")
+    change = table.choice("change", CHANGES, "set")
+    try:
+        found = [place for field in fields for place in places(scenario, whole, field)]
+    except ScenarioError as error:
+        raise ScenarioError(f"{table.where('field')}: {error}") from None
+    if change != "set":
+        for place in found:
+            if value_at(whole, place) is None:
+                table.fail(
+                    "change", f"{scenario.name} leaves {fields[0]} out", 'use change = "set"'
+                )
+    name = table.text("name", _default_name(fields[0], change))
+    return Varied(name, tuple(fields), tuple(found), change, _range(table, method))
+
+
+def _default_name(field: str, change: str) -> str:
+    parts = [part for part in field.split(".") if part != EVERY]
+    last = max((k for k, part in enumerate(parts) if not part.isdecimal()), default=0)
+    return "_".join(parts[last:]) + {"set": "", "multiply": "_factor", "add": "_added"}[change]
+
+
+def _range(table: Table, method: str) -> Range:
+    if "values" in table:
+        for key in ("from", "to", "count", "spacing"):
+            if key in table:
+                table.fail(key, "given beside values", "keep one of the two")
+        return _listed(table)
+    low, high = table.number("from", example="1.0"), table.number("to", example="2.0")
+    if not high > low:
+        table.fail("to", f"is not above from = {low:g}", "exchange the two")
+    whole = table.flag("whole")
+    if whole and not (low.is_integer() and high.is_integer()):
+        table.fail("whole", "from and to are no whole numbers", "give whole numbers")
+    logarithmic = table.choice("spacing", ("linear", "logarithmic"), "linear") == "logarithmic"
+    if logarithmic and (low <= 0.0 or whole):
+        table.fail("spacing", "needs from above zero, and no whole", 'use spacing = "linear"')
+    if method == "grid":
+        count = table.integer("count", at_least=2, at_most=MOST)
+    elif "count" in table:
+        table.fail("count", f'has no meaning for method = "{method}"', "write samples instead")
+    else:
+        count = 0
+    return Range(None, low, high, count, logarithmic, whole)
+
+
+def _listed(table: Table) -> Range:
+    given = table.data["values"]
+    if not isinstance(given, list) or not given:
+        table.fail("values", "is no list of numbers", "write numbers in brackets")
+    try:
+        values = np.array([as_float(value) for value in given])
+    except TypeError:
+        table.fail("values", "holds something that is no number", "give plain numbers")
+    if not np.isfinite(values).all():
+        table.fail("values", "holds a number that is not finite", "give finite numbers")
+    if len(np.unique(values)) < len(values):
+        table.fail("values", "holds a number twice", "keep one of them")
+    return Range(values, whole=all(isinstance(value, int) for value in given))
+
+
+def _check_apart(varied: list[Varied], origin: str) -> None:
+    names = [v.name for v in varied]
+    for k, one in enumerate(varied):
+        if one.name in names[:k]:
+            raise ScenarioError(
+                f"{origin}: [[vary]] {k + 1} name = {one.name}: is the name of another one; give "
+                'it a name of its own with name = "..."'
+            )
+        for other in varied[:k]:
+            if one.change == other.change == "set" and set(one.places) & set(other.places):
+                raise ScenarioError(
+                    f"{origin}: [[vary]] {k + 1} field = {one.fields[0]}: is set by "
+                    f"{other.name} already; drop one of them"
+                )
