@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,19 @@ def solve(
     family = family_of(scenario)
     options = SearchOptions(guess, inner)
     family.check(scenario, options)
+    return judged(scenario, lambda start: family.search(scenario, start, options, report), report)
+
+
+def judged(
+    scenario: scenarios.Scenario,
+    search: Callable[[PhaseStart], Any],
+    report: Report | None = None,
+) -> Result:
+    """Search the phases of a scenario in sequence, fly and judge each, and make the result.
+
+    search : from where a phase begins to what the family's judge wants.
+    """
+    family = family_of(scenario)
     began, compiled = time.perf_counter(), compile_seconds()
     verifying = 0.0
     start = PhaseStart()
@@ -69,7 +82,7 @@ def solve(
     # What overflows belongs to a start that does not reach, on the host as in compiled code.
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(family.phases(scenario)):
-            answers.append(family.search(scenario, start, options, report))
+            answers.append(search(start))
             flown = time.perf_counter()
             phase, end = family.judge(scenario, start, answers[-1])
             verifying += time.perf_counter() - flown

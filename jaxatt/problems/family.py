@@ -112,6 +112,14 @@ class Family(ABC):
         report : called by the host with (stage, starts ended) between chunks of work.
         """
 
+    def search_many(self, scenarios: Sequence[Scenario]) -> Sequence[Any] | None:
+        """Search scenarios of one phase together, each as `search` returns it; None to refuse.
+
+        For sweeps, whose scenarios differ in a few values, where it takes less time than one search
+        after the other.
+        """
+        return None
+
     @abstractmethod
     def judge(
         self, scenario: Scenario, start: PhaseStart, found: Any

@@ -34,6 +34,7 @@ class EffortPath:
     weights : (R,) [1/(N m)^2].  final_time, cost : (R,) [s].  quadratic_effort : (R,) [(N m)^2 s].
     torques : (R, N, n + m) [N m].  step : (R,) [s].
     converged, reached : (R,), by the solver's test and by flights with fine steps.
+    found : what a search of the weight alone would return, one a weight.
     """
 
     weights: Floats
@@ -44,6 +45,7 @@ class EffortPath:
     step: Floats
     converged: npt.NDArray[np.bool_]
     reached: npt.NDArray[np.bool_]
+    found: tuple[FreeTimeFound, ...]
 
 
 def effort_path(
@@ -82,6 +84,7 @@ def effort_path(
         step,
         np.concatenate([f.status == Status.CONVERGED for f in found]),
         np.concatenate([f.reached for f in found]),
+        tuple(found),
     )
 
 

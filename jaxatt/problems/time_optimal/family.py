@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
+from jaxatt.problems.time_optimal.effort_path import effort_path
 from jaxatt.problems.time_optimal.phase import build_time_task, time_record
 from jaxatt.problems.time_optimal.reading import TIME_KINDS, read_time_optimal
 from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
@@ -47,7 +51,29 @@ class TimeOptimal(Family):
         exact = scenario.objective.kind == "minimum-time"
         return TimeAnswer(task, found, resolve_switches(task, found) if exact else None)
 
+    def search_many(self, scenarios: Sequence[Scenario]) -> Sequence[TimeAnswer] | None:
+        """Search many weights of effort of one turn, each from its neighbours' answers."""
+        first, weights = scenarios[0], [s.objective.effort_weight for s in scenarios]
+        same = all(_but_weight(s) == _but_weight(first) for s in scenarios)
+        if not same or first.objective.kind != "time-effort" or len(set(weights)) < len(weights):
+            return None
+        task = build_time_task(first)
+        if task.at_target:
+            return None
+        settings = first.solver
+        path = effort_path(task, np.array(weights), settings.starts, settings.seed)
+        at = np.searchsorted(path.weights, weights)
+        return [
+            TimeAnswer(task.weighing(weight), path.found[k], None)
+            for weight, k in zip(weights, at, strict=True)
+        ]
+
     def judge(
         self, scenario: Scenario, start: PhaseStart, found: TimeAnswer
     ) -> tuple[Phase, InitialState]:
         return time_record(scenario, start.time, found.task, found.found, found.arcs)
+
+
+def _but_weight(scenario: Scenario) -> Mapping[str, Any]:
+    objective = {**scenario.document["objective"], "effort_weight": None}
+    return {**scenario.document, "objective": objective}

@@ -50,9 +50,9 @@ def sweep_figure(dataset: xarray.Dataset, outputs: Sequence[str]) -> Picture:
         for axes, name in zip(panels[-1], names, strict=True):
             axes.set_xlabel(name)
             _scale(axes, "x", values[name])
-        handles, labels = panels[0, 0].get_legend_handles_labels()
-        if len(labels) > 1:
-            panels[0, 0].legend(handles, labels, frameon=False, fontsize=8)
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    if set(labels) - {"reached"}:
+        made.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     return made
 
 
@@ -104,8 +104,6 @@ def _map(
         if which_ones.any():
             points = (values[name][which_ones] for name in grid)
             axes.plot(*points, marker, color=colour(1), ms=5, ls="none", label=words)
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(frameon=True, fontsize=8)
     axes.set_xlabel(grid[0])
     axes.set_ylabel(grid[1])
     axes.set_title(output, fontsize="medium")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from jaxatt.pipeline.solve_many import Attempt, solve_many
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.report.store.layout import Layout
 from jaxatt.report.store.store import Store
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.progress import SAMPLES
@@ -16,7 +17,7 @@ from jaxatt.studies.sweep.outputs import check_outputs, number_at
 from jaxatt.studies.sweep.study import FAILED, NOT_REACHED, REACHED, REASON, STATE, Study
 
 _TRIED = 8
-"""Samples that are tried for one that has an answer, before anything is written."""
+"""Chunks that are tried for one that has an answer, before anything is written."""
 
 
 def run_study(
@@ -36,20 +37,18 @@ def run_study(
     """
     check_precision()
     layout = study.layout()
-    known: dict[int, Attempt] = {}
     chunks = range(share[0], layout.chunks, share[1])
-    if chunks and not Path(path).exists():
-        known = _first_answers(study, layout.rows(chunks[0]).start)
+    known = {} if Path(path).exists() else _first_answers(study, layout, chunks)
     with Store.open_or_create(path, layout) as store:
-        if report is not None:
-            report(SAMPLES, int(sum(store.done[layout.rows(k)].sum() for k in chunks)))
+        tell = report or (lambda stage, done: None)
+        tell(SAMPLES, int(sum(store.done[layout.rows(k)].sum() for k in chunks)))
         for chunk in store.pending(share):
-            rows = layout.rows(chunk)
-            attempts = []
-            for index in range(rows.start, rows.stop):
-                attempts.append(known.get(index) or _solve(study, index))
-                if report is not None:
-                    report(SAMPLES, 1)
+            attempts = known.pop(chunk, [])
+            tell(SAMPLES, len(attempts))
+            if not attempts:
+                for attempt in _attempts(study, layout.rows(chunk)):
+                    attempts.append(attempt)
+                    tell(SAMPLES, 1)
             store.write(chunk, _columns(study, attempts))
 
 
@@ -60,25 +59,31 @@ def samples_of(study: Study, share: tuple[int, int]) -> int:
     return sum(rows.stop - rows.start for rows in chunks)
 
 
-def _solve(study: Study, index: int) -> Attempt:
-    return next(solve_many([study.sample(index)], study.scenario))
+def _attempts(study: Study, rows: slice) -> Iterator[Attempt]:
+    """Solve the samples of a chunk."""
+    documents = [study.sample(index) for index in range(rows.start, rows.stop)]
+    return solve_many(documents, study.scenario)
 
 
-def _first_answers(study: Study, first: int) -> dict[int, Attempt]:
-    """Solve samples until one has an answer, and check the names of the outputs with it."""
-    known: dict[int, Attempt] = {}
-    count = len(study.values)
-    for k in range(min(_TRIED, count)):
-        index = (first + k * count // min(_TRIED, count)) % count
-        attempt = known[index] = _solve(study, index)
-        if attempt.answer is not None:
-            check_outputs(attempt.answer.summary(), study.outputs, study.origin)
+def _first_answers(study: Study, layout: Layout, chunks: Sequence[int]) -> dict[int, list[Attempt]]:
+    """Solve chunks until a sample has an answer, and check the names of the outputs with it."""
+    known: dict[int, list[Attempt]] = {}
+    checked = False
+    for k in chunks[:: -(-len(chunks) // _TRIED) or 1]:
+        known[k] = []
+        for attempt in _attempts(study, layout.rows(k)):
+            known[k].append(attempt)
+            if attempt.answer is not None and not checked:
+                checked = True
+                check_outputs(attempt.answer.summary(), study.outputs, study.origin)
+        if checked:
             return known
-    errors = [attempt.error for attempt in known.values()]
+    if not known:
+        return known
+    errors = [attempt.error for attempts in known.values() for attempt in attempts]
     refused = [error for error in errors if isinstance(error, ScenarioError)]
     if not refused:
-        assert errors[0] is not None
-        raise errors[0]
+        return known
     raise ScenarioError(
         f"{study.origin}: none of {len(errors)} samples tried makes a scenario that can be solved; "
         f"the first: {refused[0]}"
