@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -14,7 +15,7 @@ SAMPLE, DONE = "sample", "done"
 
 STRING = "string"
 
-_LONGEST_NAME = 200
+_NAME = re.compile(r"[^\W\d_][\w.-]{0,199}")
 _TEXT_BYTES, _FILE_BYTES = 100, 4096
 
 
@@ -57,8 +58,11 @@ class Layout:
                 f"samples = {self.samples}, chunk = {self.chunk}: a store needs at least 1 of each"
             )
         for name in (*self.coordinates, *self.columns):
-            if not 0 < len(name) <= _LONGEST_NAME or "/" in name or name.startswith((".", "__")):
-                raise ScenarioError(f"{name!r}: no name for a column of a store; give another name")
+            if not _NAME.fullmatch(name):
+                raise ScenarioError(
+                    f"{name!r}: no name for a column of a store; use at most 200 letters, digits, "
+                    "'_', '.' and '-', and begin with a letter"
+                )
         both = {SAMPLE, DONE, *self.coordinates} & {*self.columns} | {DONE} & {*self.coordinates}
         if both:
             raise ScenarioError(

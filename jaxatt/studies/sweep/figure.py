@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,39 +21,60 @@ _LOGARITHMIC = 20.0
 _MOST_PANELS = 30
 
 
-def sweep_figure(dataset: xarray.Dataset, outputs: Sequence[str]) -> Picture:
+def sweep_figure(dataset: xarray.Dataset, names: Sequence[str], outputs: Sequence[str]) -> Picture:
     """Draw every output; samples that do not reach, and those that failed, are marked."""
-    names = [str(name) for name in dataset.coords]
-    grid = dataset.attrs["grid"].split()
     state = dataset[STATE].values
     values = {name: dataset[name].values for name in (*names, *outputs)}
-    if len(grid) == 2:
-        columns = min(len(outputs), 3)
-        rows = -(-len(outputs) // columns)
-        made = picture(4.6 * columns, 3.6 * rows, dataset.attrs["title"])
-        panels = made.subplots(rows, columns, squeeze=False)
-        for axes, output in zip(panels.flat, outputs, strict=False):
-            _map(axes, made, values, grid, output, state)
-        for axes in panels.flat[len(outputs) :]:
-            axes.set_visible(False)
+    title = dataset.attrs["title"]
+    if dataset.attrs["method"] == "grid" and len(names) == 2:
+        made, first = _maps(values, names, outputs, state, title)
     else:
-        # As many panels as fit into a figure: rows are outputs, columns the quantities.
-        names = names[: max(1, _MOST_PANELS // len(outputs))]
-        made = picture(3.2 + 3.0 * len(names), 0.8 + 2.2 * len(outputs), dataset.attrs["title"])
-        panels = made.subplots(len(outputs), len(names), squeeze=False, sharex="col", sharey="row")
-        joined = grid == names
-        for row, output in zip(panels, outputs, strict=True):
-            for axes, name in zip(row, names, strict=True):
-                _points(axes, values[name], values[output], state, joined)
-                tidy(axes)
-            row[0].set_ylabel(output)
-        for axes, name in zip(panels[-1], names, strict=True):
-            axes.set_xlabel(name)
-            _scale(axes, "x", values[name])
-    handles, labels = panels[0, 0].get_legend_handles_labels()
+        made, first = _scatter(values, names, outputs, state, title)
+    handles, labels = first.get_legend_handles_labels()
     if set(labels) - {"reached"}:
         made.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
     return made
+
+
+def _maps(
+    values: Mapping[str, Floats],
+    names: Sequence[str],
+    outputs: Sequence[str],
+    state: Any,
+    title: str,
+) -> tuple[Picture, Axes]:
+    """One map an output; the first panel, too, which has all marks."""
+    columns = min(len(outputs), 3)
+    rows = -(-len(outputs) // columns)
+    made = picture(4.6 * columns, 3.6 * rows, title)
+    panels = made.subplots(rows, columns, squeeze=False)
+    for axes, output in zip(panels.flat, outputs, strict=False):
+        _map(axes, made, values, names, output, state)
+    for axes in panels.flat[len(outputs) :]:
+        axes.set_visible(False)
+    return made, panels[0, 0]
+
+
+def _scatter(
+    values: Mapping[str, Floats],
+    names: Sequence[str],
+    outputs: Sequence[str],
+    state: Any,
+    title: str,
+) -> tuple[Picture, Axes]:
+    """Rows of outputs over columns of quantities, as many as fit; the first panel, too."""
+    shown = names[: max(1, _MOST_PANELS // len(outputs))]
+    made = picture(3.2 + 3.0 * len(shown), 0.8 + 2.2 * len(outputs), title)
+    panels = made.subplots(len(outputs), len(shown), squeeze=False, sharex="col", sharey="row")
+    for row, output in zip(panels, outputs, strict=True):
+        for axes, name in zip(row, shown, strict=True):
+            _points(axes, values[name], values[output], state, joined=len(names) == 1)
+            tidy(axes)
+        row[0].set_ylabel(output)
+    for axes, name in zip(panels[-1], shown, strict=True):
+        axes.set_xlabel(name)
+        _scale(axes, "x", values[name])
+    return made, panels[0, 0]
 
 
 def _points(axes: Axes, x: Floats, y: Floats, state: Any, joined: bool) -> None:
@@ -86,26 +107,26 @@ def _along_the_edge(axes: Axes, x: Floats, failed: Flags) -> None:
 def _map(
     axes: Axes,
     made: Picture,
-    values: dict[str, Floats],
-    grid: Sequence[str],
+    values: Mapping[str, Floats],
+    names: Sequence[str],
     output: str,
     state: Any,
 ) -> None:
-    x, y = (np.unique(values[name]) for name in grid)
-    at = np.searchsorted(x, values[grid[0]]), np.searchsorted(y, values[grid[1]])
+    x, y = (np.unique(values[name]) for name in names)
+    at = np.searchsorted(x, values[names[0]]), np.searchsorted(y, values[names[1]])
     field = np.full((len(x), len(y)), np.nan)
     field[at] = np.where(state == REACHED, values[output], np.nan)
-    for which, name in enumerate(grid):
+    for which, name in enumerate(names):
         _scale(axes, "xy"[which], values[name])
     shown = axes.pcolormesh(_edges(x), _edges(y), field.T, cmap="viridis")
     made.colorbar(shown, ax=axes)
     for kind, marker, words in ((NOT_REACHED, "x", "not reached"), (FAILED, "^", "no answer")):
         which_ones = state == kind
         if which_ones.any():
-            points = (values[name][which_ones] for name in grid)
+            points = (values[name][which_ones] for name in names)
             axes.plot(*points, marker, color=colour(1), ms=5, ls="none", label=words)
-    axes.set_xlabel(grid[0])
-    axes.set_ylabel(grid[1])
+    axes.set_xlabel(names[0])
+    axes.set_ylabel(names[1])
     axes.set_title(output, fontsize="medium")
 
 

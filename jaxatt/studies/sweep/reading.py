@@ -14,6 +14,7 @@ from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
 from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.reading.names import read_name
+from jaxatt.scenarios.bundled import suggestion
 from jaxatt.scenarios.loader import plain_values
 from jaxatt.spacecraft.checks import as_float
 from jaxatt.studies.sweep.numbers import EVERY, places, value_at, whole_document
@@ -28,10 +29,10 @@ _VARY = ("field", "name", "change", "values", "from", "to", "count", "spacing", 
 
 def is_study(name_or_path: str | Path) -> bool:
     """Whether this is a bundled study, or a TOML file that varies something."""
-    if scenarios.kind_of(str(name_or_path)) is not None:
-        return scenarios.kind_of(str(name_or_path)) == "study"
-    path = Path(name_or_path)
-    return path.is_file() and bool({"vary", "sampling"} & set(read_file(path)))
+    kind = scenarios.kind_of(str(name_or_path))
+    if kind is not None:
+        return kind == "study"
+    return bool({"vary", "sampling"} & set(_document(name_or_path)))
 
 
 def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Study:
@@ -40,11 +41,18 @@ def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
     changes : of the scenario, as in [fixed], on top of those.  Raises `ScenarioError`.
     """
     name = str(name_or_path)
-    if name in scenarios.names("study"):
+    if scenarios.kind_of(name) == "study":
         origin = f"{name}.toml"
         return read_study(parse(scenarios.text(name), origin), origin, None, changes)
+    return read_study(_document(name_or_path), name, Path(name_or_path).parent, changes)
+
+
+def _document(name_or_path: str | Path) -> dict[str, Any]:
     path = Path(name_or_path)
-    return read_study(read_file(path), name, path.parent, changes)
+    if path.suffix != ".toml" and not path.is_file():
+        hint = suggestion(str(name_or_path), "study", "manoeuvre")
+        raise ScenarioError(f"{name_or_path}: neither a bundled study nor a file; {hint}")
+    return read_file(path)
 
 
 def read_study(

@@ -79,7 +79,6 @@ class Study:
         """What the store of this study holds."""
         whole = json.dumps(self.whole, sort_keys=True)
         told = hashlib.sha256(f"{self.document}\n{whole}".encode() + self.values.tobytes())
-        grid = " ".join(quantity.name for quantity in self.varied) if self.method == "grid" else ""
         return Layout(
             samples=len(self.values),
             chunk=self.chunk,
@@ -108,7 +107,8 @@ class Study:
                 "title": self.title,
                 "scenario": self.scenario.name,
                 "method": self.method,
-                "grid": grid,
+                "quantities": " ".join(quantity.name for quantity in self.varied),
+                "outputs": " ".join(self.outputs),
                 "study_document": self.document,
                 "scenario_document": whole,
             },

@@ -42,12 +42,12 @@ class Sweep:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the swept quantities."""
-        return tuple(str(name) for name in self.dataset.coords)
+        return tuple(self.dataset.attrs["quantities"].split())
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
-        return tuple(str(n) for n, v in self.dataset.data_vars.items() if v.dtype.kind == "f")
+        return tuple(self.dataset.attrs["outputs"].split())
 
     @property
     def complete(self) -> bool:
@@ -75,9 +75,8 @@ class Sweep:
 
         Raises `ScenarioError` where they are no grid.
         """
-        names = self.dataset.attrs["grid"].split()
-        if not names:
-            method = self.dataset.attrs["method"]
+        names, method = self.names, self.dataset.attrs["method"]
+        if method != "grid":
             raise ScenarioError(f'{self.path}: method = "{method}" makes no grid; use the dataset')
         if len(names) == 1:
             return self.dataset.swap_dims({"sample": names[0]})
@@ -85,11 +84,11 @@ class Sweep:
 
     def table(self) -> Group:
         """Return a table with one row an output."""
-        return sweep_table(self.dataset, self.outputs)
+        return sweep_table(self.dataset, self.names, self.outputs)
 
     def plot(self) -> Picture:
         """Plot each output over the swept quantities."""
-        return sweep_figure(self.dataset, self.outputs)
+        return sweep_figure(self.dataset, self.names, self.outputs)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write sweep.png into a folder; return the file."""

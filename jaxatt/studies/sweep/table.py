@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import xarray
 
 
-def sweep_table(dataset: xarray.Dataset, outputs: Sequence[str]) -> Group:
+def sweep_table(dataset: xarray.Dataset, names: Sequence[str], outputs: Sequence[str]) -> Group:
     """Range of every output over the samples that reached, and sentences on the others."""
     table = Table(title=dataset.attrs["title"], title_justify="left")
     table.add_column("output")
@@ -34,15 +34,15 @@ def sweep_table(dataset: xarray.Dataset, outputs: Sequence[str]) -> Group:
         table.add_row(
             name,
             short(float(values[low]), 6),
-            where(dataset, low),
+            where(dataset, names, low),
             short(float(np.nanmedian(values)), 6),
             short(float(values[high]), 6),
-            where(dataset, high),
+            where(dataset, names, high),
         )
-    return Group(table, *(Text(sentence) for sentence in sentences(dataset)))
+    return Group(table, *(Text(sentence) for sentence in sentences(dataset, names)))
 
 
-def sentences(dataset: xarray.Dataset) -> tuple[str, ...]:
+def sentences(dataset: xarray.Dataset, names: Sequence[str]) -> tuple[str, ...]:
     """How many samples are done, reached, and failed, with the first reason of each kind."""
     done, state = dataset[DONE].values, dataset[STATE].values
     found = [f"{done.sum()} of {done.size} samples done, {(state == REACHED).sum()} reached."]
@@ -51,10 +51,12 @@ def sentences(dataset: xarray.Dataset) -> tuple[str, ...]:
         if which.size:
             first = int(which[0])
             reason = str(dataset[REASON].values[first])
-            found.append(f"{which.size} {words}; the first at {where(dataset, first)}: {reason}")
+            found.append(
+                f"{which.size} {words}; the first at {where(dataset, names, first)}: {reason}"
+            )
     return tuple(found)
 
 
-def where(dataset: xarray.Dataset, sample: int) -> str:
+def where(dataset: xarray.Dataset, names: Sequence[str], sample: int) -> str:
     """Values of the swept quantities in one sample."""
-    return ", ".join(f"{n} = {float(v[sample]):.5g}" for n, v in dataset.coords.items())
+    return ", ".join(f"{name} = {float(dataset[name][sample]):.5g}" for name in names)
