@@ -22,6 +22,7 @@ from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.pareto import pareto
 from jaxatt.studies.pareto_front import ParetoFront
 from jaxatt.studies.relative_sparsity import relative_sparsity
+from jaxatt.studies.sweep.sweep import Sweep, open_sweep, sweep
 
 Leg = Phase  # its earlier name
 
@@ -39,18 +40,21 @@ __all__ = [
     "Result",
     "Scenario",
     "ScenarioError",
+    "Sweep",
     "certify",
     "compare",
     "compare_flight",
     "configure",
     "minimize",
     "open_archive",
+    "open_sweep",
     "pareto",
     "relative_sparsity",
     "scenarios",
     "simulate",
     "solve",
     "solve_program",
+    "sweep",
     "sweep_effort",
     "transcribe",
 ]
