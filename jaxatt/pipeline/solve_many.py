@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import jax
+
 from jaxatt import scenarios
 from jaxatt.pipeline.solve import judged, solve
 from jaxatt.problems.reading.fields import ScenarioError
@@ -41,7 +43,7 @@ def solve_many(documents: Sequence[Mapping[str, Any]], base: Scenario) -> Iterat
 
     They are searched together where their family does so (`Family.search_many`), one after the
     other otherwise.  base : the scenario that they come from, for messages and for the files that
-    they name.  What the system refuses (a full disk, no memory) is raised.
+    they name.  What the machine refuses (a full disk, no memory) is raised.
     """
     read = [_read(document, base) for document in documents]
     found = _together([case for case in read if isinstance(case, Scenario)])
@@ -52,7 +54,7 @@ def solve_many(documents: Sequence[Mapping[str, Any]], base: Scenario) -> Iterat
         try:
             known = None if found is None else next(found)
             yield Attempt(solve(case) if found is None else judged(case, partial(_given, known)))
-        except (OSError, MemoryError):
+        except (OSError, MemoryError, jax.errors.JaxRuntimeError):
             raise
         except Exception as error:
             yield Attempt(error=error)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
+import pathlib
 
 import numpy as np
 import pytest
@@ -159,6 +161,23 @@ def test_refuses_what_no_disk_holds(tmp_path, layout) -> None:
     with pytest.raises(OutputError, match="GB left"):
         Store.open_or_create(tmp_path / "a.zarr", dataclasses.replace(layout, columns=vast))
     assert not list(tmp_path.iterdir())
+
+
+def test_a_full_disk_is_said_and_the_store_continues(tmp_path, layout, values, monkeypatch) -> None:
+    path = tmp_path / "a.zarr"
+    with Store.open_or_create(path, layout) as store:
+        fill(store, values, [0])
+
+        def full(*_: object) -> None:
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        monkeypatch.setattr(pathlib.Path, "replace", full)
+        with pytest.raises(OutputError, match=r"a.zarr: cannot be written \(No space left"):
+            fill(store, values, [1])
+        monkeypatch.undo()
+        assert store.pending() == [1, 2, 3]
+        fill(store, values, [1, 2, 3])
+    assert same(path, values)
 
 
 @pytest.mark.parametrize("name", ["done", "limit", "sample", "", "a/b", "n" * 300])

@@ -16,6 +16,9 @@ METHODS = ("grid", "random", "latin-hypercube", "sobol")
 MOST = 10_000_000
 """Samples of one sweep."""
 
+_FAR = 20.0
+"""Ratio of greatest to least of listed values from which they are drawn on a logarithmic axis."""
+
 
 @dataclass(frozen=True, eq=False)
 class Range:
@@ -32,6 +35,13 @@ class Range:
     count: int = 0
     logarithmic: bool = False
     whole: bool = False
+
+    @property
+    def spacing(self) -> str:
+        """Scale on which the values are seen best: "linear" or "logarithmic"."""
+        v = self.values
+        far = v is not None and v.min() > 0.0 and v.max() >= _FAR * v.min()
+        return "logarithmic" if self.logarithmic or far else "linear"
 
     def at(self, share: Floats) -> Floats:
         """Values at shares of the way, (S,) from 0 to 1."""

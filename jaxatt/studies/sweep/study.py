@@ -91,7 +91,11 @@ class Study:
                 quantity.name: (
                     (SAMPLE,),
                     self.values[:, d],
-                    {"field": ", ".join(quantity.fields), "change": quantity.change},
+                    {
+                        "field": ", ".join(quantity.fields),
+                        "change": quantity.change,
+                        "spacing": quantity.range.spacing,
+                    },
                 )
                 for d, quantity in enumerate(self.varied)
             },
