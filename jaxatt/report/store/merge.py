@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from jaxatt.report.store.agreement import check_same
 from jaxatt.report.store.layout import DONE
-from jaxatt.report.store.store import Store, check_same, read_layout
+from jaxatt.report.store.store import Store, read_layout
 from jaxatt.report.store.zarr_files import opened
 from jaxatt.runtime.files import OutputError
 

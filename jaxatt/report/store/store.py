@@ -19,7 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.report.store.layout import DONE, Layout
+from jaxatt.report.store.agreement import check_same
+from jaxatt.report.store.layout import DONE, STRING, Layout
 from jaxatt.report.store.zarr_files import create, layout_of, opened
 from jaxatt.runtime.files import OutputError, prepare_folder
 
@@ -99,8 +100,8 @@ class Store:
         with writing(self.path):
             for name, values in columns.items():
                 column = self.layout.columns[name]
-                text = column.dtype == "string"
-                told = np.asarray(values, object if text else column.dtype)
+                dtype = object if column.dtype == STRING else column.dtype
+                told = np.asarray(values, dtype)
                 shape = (rows.stop - rows.start, *column.shape)
                 if told.shape != shape:
                     raise ValueError(f"{name}: has shape {told.shape} in place of {shape}")
@@ -114,34 +115,6 @@ def read_layout(path: str | Path) -> Layout:
     if not path.exists():
         raise OutputError(f"{path}: there is no such store; check the path")
     return layout_of(path)
-
-
-def check_same(path: Path, found: Layout, asked: Layout) -> None:
-    """Refuse a store that does not hold the samples of `asked`, with `OutputError`."""
-    other = "name another folder, or remove this one to begin again"
-    for name in {**asked.identity, **found.identity}:
-        has, wants = found.identity.get(name), asked.identity.get(name)
-        if has != wants:
-            raise OutputError(f"{path}: holds {name} {has}, not {wants}; {other}")
-    if (found.samples, found.chunk) != (asked.samples, asked.chunk):
-        raise OutputError(
-            f"{path}: holds {found.samples} samples in chunks of {found.chunk}, not "
-            f"{asked.samples} in chunks of {asked.chunk}; {other}"
-        )
-    if dict(found.columns) != dict(asked.columns):
-        differ = sorted(
-            name
-            for name in {*found.columns, *asked.columns}
-            if found.columns.get(name) != asked.columns.get(name)
-        )
-        raise OutputError(f"{path}: has other columns ({', '.join(differ)}); {other}")
-    for name in {**found.coordinates, **asked.coordinates}:
-        if not _equal(found.coordinates.get(name), asked.coordinates.get(name)):
-            raise OutputError(f"{path}: its coordinates {name} are others; {other}")
-
-
-def _equal(one: Any, other: Any) -> bool:
-    return one is not None and other is not None and np.array_equal(one[1], other[1])
 
 
 def _make(path: Path, layout: Layout) -> None:

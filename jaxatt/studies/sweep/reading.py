@@ -7,8 +7,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from jaxatt import scenarios
 from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
@@ -16,15 +14,14 @@ from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.reading.names import read_name
 from jaxatt.scenarios.bundled import suggestion
 from jaxatt.scenarios.loader import plain_values
-from jaxatt.spacecraft.checks import as_float
-from jaxatt.studies.sweep.numbers import EVERY, places, value_at, whole_document
+from jaxatt.studies.sweep.numbers import whole_document
 from jaxatt.studies.sweep.outputs import CLOCK
-from jaxatt.studies.sweep.samples import METHODS, MOST, Range, grid, notes, scattered
-from jaxatt.studies.sweep.study import CHANGES, Study, Varied
+from jaxatt.studies.sweep.samples import METHODS, MOST, grid, notes, scattered
+from jaxatt.studies.sweep.study import Study
+from jaxatt.studies.sweep.vary import check_apart, read_varied
 
 _TOP = ("name", "title", "scenario", "outputs", "chunk", "fixed", "sampling", "vary")
 _SAMPLING = ("method", "samples", "seed")
-_VARY = ("field", "name", "change", "values", "from", "to", "count", "spacing", "whole")
 
 
 def is_study(name_or_path: str | Path) -> bool:
@@ -79,8 +76,10 @@ def read_study(
     entries = top.require("vary", '"..."')
     if not isinstance(entries, list) or not entries:
         top.fail("vary", "is no list of tables", "write one [[vary]] for every swept number")
-    varied = [_varied(entry, k, origin, method, scenario, whole) for k, entry in enumerate(entries)]
-    _check_apart(varied, origin)
+    varied = [
+        read_varied(entry, k, origin, method, scenario, whole) for k, entry in enumerate(entries)
+    ]
+    check_apart(varied, origin)
     ranges = [v.range for v in varied]
     if method == "grid":
         for key in ("samples", "seed"):
@@ -144,92 +143,3 @@ def _flat(value: Any, before: str, origin: str) -> Iterator[tuple[str, Any]]:
             yield from _flat(item, name, origin)
         else:
             yield name, item
-
-
-def _varied(
-    data: Any,
-    index: int,
-    origin: str,
-    method: str,
-    scenario: scenarios.Scenario,
-    whole: Mapping[str, Any],
-) -> Varied:
-    table = Table(data, origin, f"[[vary]] {index + 1}", _VARY)
-    given = table.require("field", '"vehicle.wheels.torque_limit_Nm"')
-    fields = given if isinstance(given, list) else [given]
-    if not fields or not all(isinstance(field, str) for field in fields):
-        table.fail("field", "is no name", "write the name of a number, or a list of such names")
-    change = table.choice("change", CHANGES, "set")
-    try:
-        found = [place for field in fields for place in places(scenario, whole, field)]
-    except ScenarioError as error:
-        raise ScenarioError(f"{table.where('field')}: {error}") from None
-    if change != "set":
-        for place in found:
-            if value_at(whole, place) is None:
-                table.fail(
-                    "change", f"{scenario.name} leaves {fields[0]} out", 'use change = "set"'
-                )
-    name = table.text("name", _default_name(fields[0], change))
-    return Varied(name, tuple(fields), tuple(found), change, _range(table, method))
-
-
-def _default_name(field: str, change: str) -> str:
-    parts = [part for part in field.split(".") if part != EVERY]
-    last = max((k for k, part in enumerate(parts) if not part.isdecimal()), default=0)
-    return "_".join(parts[last:]) + {"set": "", "multiply": "_factor", "add": "_added"}[change]
-
-
-def _range(table: Table, method: str) -> Range:
-    if "values" in table:
-        for key in ("from", "to", "count", "spacing"):
-            if key in table:
-                table.fail(key, "given beside values", "keep one of the two")
-        return _listed(table)
-    low, high = table.number("from", example="1.0"), table.number("to", example="2.0")
-    if not high > low:
-        table.fail("to", f"is not above from = {low:g}", "exchange the two")
-    whole = table.flag("whole")
-    if whole and not (low.is_integer() and high.is_integer()):
-        table.fail("whole", "from and to are no whole numbers", "give whole numbers")
-    logarithmic = table.choice("spacing", ("linear", "logarithmic"), "linear") == "logarithmic"
-    if logarithmic and (low <= 0.0 or whole):
-        table.fail("spacing", "needs from above zero, and no whole", 'use spacing = "linear"')
-    if method == "grid":
-        count = table.integer("count", at_least=2, at_most=MOST)
-    elif "count" in table:
-        table.fail("count", f'has no meaning for method = "{method}"', "write samples instead")
-    else:
-        count = 0
-    return Range(None, low, high, count, logarithmic, whole)
-
-
-def _listed(table: Table) -> Range:
-    given = table.data["values"]
-    if not isinstance(given, list) or not given:
-        table.fail("values", "is no list of numbers", "write numbers in brackets")
-    try:
-        values = np.array([as_float(value) for value in given])
-    except TypeError:
-        table.fail("values", "holds something that is no number", "give plain numbers")
-    if not np.isfinite(values).all():
-        table.fail("values", "holds a number that is not finite", "give finite numbers")
-    if len(np.unique(values)) < len(values):
-        table.fail("values", "holds a number twice", "keep one of them")
-    return Range(values, whole=all(isinstance(value, int) for value in given))
-
-
-def _check_apart(varied: list[Varied], origin: str) -> None:
-    names = [v.name for v in varied]
-    for k, one in enumerate(varied):
-        if one.name in names[:k]:
-            raise ScenarioError(
-                f"{origin}: [[vary]] {k + 1} name = {one.name}: is the name of another one; give "
-                'it a name of its own with name = "..."'
-            )
-        for other in varied[:k]:
-            if one.change == other.change == "set" and set(one.places) & set(other.places):
-                raise ScenarioError(
-                    f"{origin}: [[vary]] {k + 1} field = {one.fields[0]}: is set by "
-                    f"{other.name} already; drop one of them"
-                )
