@@ -60,7 +60,7 @@ def sweep(
         if any(is_study(case) for case in cases):
             if len(cases) > 1 or rho is not None:
                 raise ScenarioError(
-                    f"{' '.join(cases)}: a study comes alone and without --rho; give it alone"
+                    f"{' '.join(cases)}: a study comes without other cases and --rho; give it alone"
                 )
             _study(cases[0], task, starts, seed, out, compile_cache, quiet)
             return

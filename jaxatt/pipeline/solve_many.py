@@ -71,7 +71,10 @@ def _together(cases: Sequence[Scenario]) -> Iterator[Any] | None:
     """Searches of all cases at once, where their family does so."""
     if len(cases) < 2 or len({case.family for case in cases}) > 1:
         return None
-    found = family_of(cases[0]).search_many(cases)
+    try:
+        found = family_of(cases[0]).search_many(cases)
+    except ScenarioError:  # each says by itself what is wrong with it
+        return None
     return None if found is None else iter(found)
 
 

@@ -34,7 +34,7 @@ class EffortPath:
     weights : (R,) [1/(N m)^2].  final_time, cost : (R,) [s].  quadratic_effort : (R,) [(N m)^2 s].
     torques : (R, N, n + m) [N m].  step : (R,) [s].
     converged, reached : (R,), by the solver's test and by flights with fine steps.
-    found : what a search of the weight alone would return, one a weight.
+    found : each optimum as a search of one start returns it.
     """
 
     weights: Floats

@@ -107,7 +107,7 @@ def read_study(
         outputs=_outputs(top),
         chunk=min(chunk, len(values)),
         notes=remarks,
-        document=json.dumps({**plain, "fixed": fixed}, sort_keys=True),
+        document=json.dumps({**plain, "fixed": fixed}, sort_keys=True, default=str),
     )
 
 

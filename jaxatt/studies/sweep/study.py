@@ -77,7 +77,7 @@ class Study:
 
     def layout(self) -> Layout:
         """What the store of this study holds."""
-        whole = json.dumps(self.whole, sort_keys=True)
+        whole = json.dumps(self.whole, sort_keys=True, default=str)  # dates
         told = hashlib.sha256(f"{self.document}\n{whole}".encode() + self.values.tobytes())
         return Layout(
             samples=len(self.values),
