@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,12 @@ from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
 from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.reading.names import read_name
+from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.bundled import suggestion
 from jaxatt.scenarios.loader import plain_values
 from jaxatt.studies.sweep.numbers import whole_document
 from jaxatt.studies.sweep.outputs import CLOCK
-from jaxatt.studies.sweep.samples import METHODS, MOST, grid, notes, scattered
+from jaxatt.studies.sweep.samples import METHODS, MOST, Range, grid, notes, scattered
 from jaxatt.studies.sweep.study import Study
 from jaxatt.studies.sweep.vary import check_apart, read_varied
 
@@ -46,7 +48,7 @@ def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
 
 def _document(name_or_path: str | Path) -> dict[str, Any]:
     path = Path(name_or_path)
-    if path.suffix != ".toml" and not path.is_file():
+    if path.suffix != ".toml" and not os.path.isfile(path):
         hint = suggestion(str(name_or_path), "study", "manoeuvre")
         raise ScenarioError(f"{name_or_path}: neither a bundled study nor a file; {hint}")
     return read_file(path)
@@ -80,22 +82,10 @@ def read_study(
         read_varied(entry, k, origin, method, scenario, whole) for k, entry in enumerate(entries)
     ]
     check_apart(varied, origin)
-    ranges = [v.range for v in varied]
-    if method == "grid":
-        for key in ("samples", "seed"):
-            if key in sampling:
-                sampling.fail(key, "a grid has all combinations of its values", "drop it")
-        values = grid(ranges)
-        remarks: tuple[str, ...] = ()
-    else:
-        count = sampling.integer("samples", at_most=MOST)
-        values = scattered(
-            method, ranges, count, sampling.integer("seed", 0, at_least=0, at_most=MOST_SEED)
-        )
-        remarks = notes(method, count)
+    values, remarks = _samples(sampling, method, [v.range for v in varied])
     # A few hundred chunks: little is lost with a chunk, and few files are made.
     chunk = top.integer("chunk", max(1, min(256, -(-len(values) // 256))), at_most=MOST)
-    return Study(
+    study = Study(
         name=name,
         title=top.text("title", name),
         origin=origin,
@@ -109,6 +99,26 @@ def read_study(
         notes=remarks,
         document=json.dumps({**plain, "fixed": fixed}, sort_keys=True, default=str),
     )
+    try:
+        study.layout()
+    except ScenarioError as error:
+        raise ScenarioError(f"{origin}: {error}") from None
+    return study
+
+
+def _samples(table: Table, method: str, ranges: Sequence[Range]) -> tuple[Floats, tuple[str, ...]]:
+    """Samples (S, D) of [sampling], and remarks on their number."""
+    if method != "grid":
+        count = table.integer("samples", at_most=MOST)
+        seed = table.integer("seed", 0, at_least=0, at_most=MOST_SEED)
+        return scattered(method, ranges, count, seed), notes(method, count)
+    for key in ("samples", "seed"):
+        if key in table:
+            table.fail(key, "a grid has all combinations of its values", "drop it")
+    try:
+        return grid(ranges), ()
+    except ScenarioError as error:
+        raise ScenarioError(f"{table.origin}: {error}") from None
 
 
 def _scenario(name: str, top: Table, folder: Path | None) -> scenarios.Scenario:
