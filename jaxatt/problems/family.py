@@ -14,6 +14,7 @@ from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sections import Sections
 from jaxatt.records.phase import Phase
+from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -148,6 +149,16 @@ class Family(ABC):
             f'{scenario.name}: objective.kind = "{scenario.objective.kind}" gains no energy that '
             'could be weighed against time or error; choose a manoeuvre of kind "net-power"'
         )
+
+    def answer_targets(
+        self, scenario: Scenario, targets: Floats, report: Report | None
+    ) -> TargetAnswers | None:
+        """The best answer to each of many targets (M, 4) in batches over all of them.
+
+        targets : as `Target.q_ob`, in place of the scenario's own; its other settings stay.
+        None where they have to be solved one by one.
+        """
+        return None
 
     def check_certifiable(self, scenario: Scenario) -> None:
         """Refuse scenarios whose minimum is not shown by trying supports, with `ScenarioError`."""

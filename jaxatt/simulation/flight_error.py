@@ -13,15 +13,19 @@ from typing import Any
 
 import jax
 import numpy as np
+import numpy.typing as npt
 
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes
-from jaxatt.simulation.step_error import States, states_apart
+from jaxatt.simulation.step_error import States, each_apart, states_apart
 from jaxatt.spacecraft.dynamics import AttitudeState
 
 AGREE = 0.1
 """Of the tolerances at the end, what two flights may differ by."""
 _MOST = 64
 """Times as many steps as the first flight, at most."""
+_MOST_OF_MANY = 16
+"""The same where many answers are flown side by side: each number of steps is compiled anew."""
 _FINER = 2
 """Times the steps that a search needs, at least, in flights that judge its answers."""
 
@@ -75,6 +79,46 @@ def fly_until_agreed(
         if error.agreed or times >= _MOST:
             return fine, error
         coarse = fine
+
+
+@dataclass(frozen=True, eq=False)
+class FlightErrors:
+    """As `FlightError`, of S answers: attitude [rad], rate [rad/s], steps and agreed, each (S,)."""
+
+    attitude: Floats
+    rate: Floats
+    steps: Floats
+    agreed: Flags
+
+
+def fly_all_until_agreed(
+    fly: Callable[[npt.NDArray[np.int64], int], Trajectory],
+    count: int,
+    steps: int,
+    tolerances: Mapping[str, float],
+) -> tuple[Trajectory, FlightErrors]:
+    """As `fly_until_agreed`, for many answers at once; those that agree are not flown again.
+
+    fly : from answers and how many times as many steps to their flights, (S, nodes, ...).
+    count : of the answers.
+    """
+    rows, times = np.arange(count), 1
+    finest = jax.tree.map(np.array, fly(rows, times))
+    errors = FlightErrors(*(np.full(count, np.inf) for _ in range(3)), np.zeros(count, bool))
+    while len(rows) and times < _MOST_OF_MANY:
+        times *= 2
+        fine = fly(rows, times)
+        coarse = jax.tree.map(lambda leaf, at=rows: leaf[at], finest)
+        pairs = ((np.asarray(x.q_ob), np.asarray(x.omega_ob)) for x in (coarse, fine))
+        attitude, rate = (x.max(axis=1) for x in each_apart(*pairs))
+        errors.attitude[rows], errors.rate[rows], errors.steps[rows] = attitude, rate, times * steps
+        agreed = attitude <= AGREE * tolerances["attitude"]
+        agreed &= rate <= AGREE * tolerances["rate"]
+        errors.agreed[rows] = agreed
+        for whole, part in zip(jax.tree.leaves(finest), jax.tree.leaves(fine), strict=True):
+            whole[rows] = part
+        rows = rows[~agreed]
+    return finest, errors
 
 
 def _until(flown: Trajectory, end: int) -> States:

@@ -102,13 +102,18 @@ def states_apart(a: States, b: States) -> tuple[float, float]:
 
     Infinite where one is not a number, as too few steps may leave it.
     """
+    angle, rate = each_apart(a, b)
+    return float(angle.max()), float(rate.max())
+
+
+def each_apart(a: States, b: States) -> tuple[Floats, Floats]:
+    """As `states_apart`, of every state."""
     with np.errstate(all="ignore"):
         same = np.where(np.sum(a[0] * b[0], axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
         chord = np.linalg.norm(a[0] - same * b[0], axis=-1)
         angle = 4.0 * np.arcsin(np.minimum(1.0, 0.5 * chord))
         rate = np.linalg.norm(a[1] - b[1], axis=-1)
-    worst = [float(np.nan_to_num(x, nan=np.inf, posinf=np.inf).max()) for x in (angle, rate)]
-    return worst[0], worst[1]
+    return np.nan_to_num(angle, nan=np.inf), np.nan_to_num(rate, nan=np.inf)
 
 
 def _apart(a: Floats, b: Floats, tolerance: tuple[float, float]) -> float:

@@ -22,12 +22,14 @@ from jaxatt.problems.hands_off.search.search import Found
 from jaxatt.problems.hands_off.slew.flight import fly_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.sparse_program import DecidedBy
+from jaxatt.problems.hands_off.targets.answers import answer_targets
 from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
 from jaxatt.records.phase import Phase
+from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -115,3 +117,15 @@ class HandsOff(SparseFamily):
 
     def fly(self, task: SlewTask, controls: Floats) -> Flown:
         return fly_slew(task, controls)
+
+    def answer_targets(
+        self, scenario: Scenario, targets: Floats, report: Report | None
+    ) -> TargetAnswers | None:
+        if scenario.horizon.free or scenario.waypoint is not None or scenario.objective.kind != "l0":
+            return None
+        # Nothing is asked of what comes after the end.
+        task = build_slew(replace(scenario, horizon=replace(scenario.horizon, coast_intervals=0)))
+        batched = task.system.decided_by is DecidedBy.CONDENSED and not task.in_motion
+        if not batched or task.watches or task.goal.terminal != "reach" or not task.shared:
+            return None
+        return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed, report)

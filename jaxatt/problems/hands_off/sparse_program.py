@@ -66,6 +66,7 @@ class SparseSystem:
     margins : (u, plant) -> (p,), path constraints, non-negative when satisfied.
     stage_margins : (u, plant) -> (N, q), control limits, non-negative when satisfied.
     turned : (plant, sign) -> plant, aimed at the target the short (1) or the long (-1) way round.
+    aimed : (plant, target) -> plant, aimed at another target, where starts have their own.
     stretched : (plant, ratio) -> plant, with intervals `ratio` times as long.
     response : (u, plant) -> (m,) and (N, m, b), the errors that `rows` measures, in any smooth
         measure that vanishes where they do, and their derivatives; None where path constraints
@@ -91,6 +92,7 @@ class SparseSystem:
     stretched: Callable[[Any, Array], Any] = lambda plant, ratio: replace(
         plant, step=plant.step * ratio
     )
+    aimed: Callable[[Any, Array], Any] = lambda plant, target: plant
     response: Callable[[Array, Any], tuple[Array, Array]] | None = None
     equations: Callable[[Array, Array, Array, Array, Any], Equations] | None = None
     limits: Callable[[Any], Array] | None = None

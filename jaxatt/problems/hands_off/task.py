@@ -10,6 +10,7 @@ from typing import Self
 
 import jax.numpy as jnp
 import numpy as np
+import numpy.typing as npt
 from jax import Array
 
 from jaxatt.optimize.reweighting.support import Mask
@@ -95,6 +96,9 @@ class SparseTask(ABC):
     effort_weight: float = 1.0
     """Weight of the L1 effort, in scaled controls, where the printed cost is minimised."""
 
+    aims: Floats | None = None
+    """Targets (S, 4) of the rows of a batch that has many; None where all rows have the one."""
+
     ways: tuple[float, ...] = (1.0,)
     """Ways round to the target: 1 for the short one, -1 for the long one."""
 
@@ -125,6 +129,10 @@ class SparseTask(ABC):
         other.arguments = replace(self.arguments, row_weight=jnp.full(self.rows, jnp.inf))
         other.sparsity_weight = other.effort_weight = 1.0
         return other
+
+    def pick(self, rows: npt.NDArray[np.int64]) -> Self:
+        """The task for some rows of a batch, which may have targets of their own."""
+        return self
 
     @abstractmethod
     def to_controls(self, u: Floats | Array) -> Floats:

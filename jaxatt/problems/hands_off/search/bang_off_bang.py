@@ -77,26 +77,30 @@ def one_between(task: SparseTask, found: Candidates, method: Method) -> Candidat
 
     found : as `fewest_bang_off_bang` returns them.  None where there is no room between the ends.
     """
-    allowed = (np.asarray(task.arguments.free) > 0).any(axis=1)
-    supports, signs = [], []
-    for index in np.flatnonzero(found.verdict.reached):
-        active = np.flatnonzero(support_of(task, found.controls[index]).any(axis=-1))
-        if len(active) < 2:
-            continue
-        gap = int(np.diff(active).argmax())
-        inside = np.flatnonzero(allowed & _between(task.intervals, active[gap], active[gap + 1]))
-        if not len(inside):
-            continue
-        spread = np.linspace(0, len(inside) - 1, _PLACES).round().astype(int)
-        for place in inside[np.unique(spread)]:
-            support = np.zeros((task.intervals, 1), bool)
-            support[[*np.delete(active, [gap, gap + 1]), place]] = True
-            supports.append(support)
-            signs.append(found.sign[index])
-    if not supports:
+    reached = np.flatnonzero(found.verdict.reached)
+    made = [supports_between(task, support_of(task, found.controls[k])) for k in reached]
+    signs = np.repeat(found.sign[reached], [len(supports) for supports in made])
+    if not len(signs):
         return None
-    rest = np.zeros((len(supports), task.intervals, task.size))
-    return screen(task, rest, np.stack(supports), np.array(signs), method)
+    rest = np.zeros((len(signs), task.intervals, task.size))
+    return screen(task, rest, np.concatenate(made), signs, method)
+
+
+def supports_between(task: SparseTask, support: Mask) -> Mask:
+    """Supports (S, N, 1) that leave out the intervals on both sides of the widest gap, for one in
+    it, of a support (N, g); none where there is no room."""
+    allowed = (np.asarray(task.arguments.free) > 0).any(axis=1)
+    active = np.flatnonzero(support.any(axis=-1))
+    if len(active) < 2:
+        return np.zeros((0, task.intervals, 1), bool)
+    gap = int(np.diff(active).argmax())
+    inside = np.flatnonzero(allowed & _between(task.intervals, active[gap], active[gap + 1]))
+    spread = np.linspace(0, len(inside) - 1, _PLACES).round().astype(int) if len(inside) else []
+    places = inside[np.unique(spread).astype(int)]
+    made: Mask = np.zeros((len(places), task.intervals, 1), bool)
+    made[:, np.delete(active, [gap, gap + 1])] = True
+    made[np.arange(len(places)), places] = True
+    return made
 
 
 def _between(intervals: int, first: int, last: int) -> Flags:

@@ -27,6 +27,7 @@ class Lanes(NamedTuple):
     """Data that differ from start to start; leading axis S.
 
     u : (S, N, b).  free : (S, N, b).  row_weight : (S, m).  sign : (S,).  price : (S, N).
+    aim : (S, 4), target of each start, where it has one of its own; None otherwise.
     """
 
     u: Any
@@ -34,6 +35,7 @@ class Lanes(NamedTuple):
     row_weight: Any
     sign: Any
     price: Any
+    aim: Any = None
 
 
 @dataclass(frozen=True)
@@ -77,9 +79,12 @@ class Form:
     def enter(self, lane: Lanes, arguments: SparseArguments) -> tuple[Array, SparseArguments]:
         """Initial variables for the solver, and the arguments of one lane."""
         u = jnp.asarray(lane.u)
+        plant = arguments.plant
+        if lane.aim is not None:
+            plant = self.system.aimed(plant, jnp.asarray(lane.aim))
         own = replace(
             arguments,
-            plant=self.system.turned(arguments.plant, lane.sign),
+            plant=self.system.turned(plant, lane.sign),
             free=lane.free,
             row_weight=lane.row_weight,
             price=lane.price,

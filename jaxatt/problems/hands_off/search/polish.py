@@ -93,6 +93,7 @@ class Method:
     ) -> Any:
         """Run a solver from all lanes; kind : of the programme, see `Form`."""
         form = Form(task.system, task.shared, kind, task.size)
+        lanes = lanes._replace(aim=task.aims)
         return run_starts(solver, form, lanes, arguments, rows=self.rows, progress=self.progress)
 
     def lagrangian(self, schedule: Schedule) -> AugmentedLagrangian:
@@ -216,7 +217,7 @@ def screen(task: SparseTask, u: Floats, supports: Mask, sign: Floats, method: Me
     if not len(stuck):
         return settled
     # Limits that bind nearly everywhere are beyond these Newton steps, not beyond the polish.
-    again = polish(task, u[stuck], supports[stuck], sign[stuck], method, SCREENING)
+    again = polish(task.pick(stuck), u[stuck], supports[stuck], sign[stuck], method, SCREENING)
     kept = np.setdiff1d(np.arange(len(u)), stuck)
     return join(settled.pick(kept), again).pick(np.argsort(np.concatenate([kept, stuck])))
 

@@ -58,6 +58,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
         margins=lambda u, p: path_margins(u, p, form),
         stage_margins=torque_margins,
         turned=lambda p, sign: replace(p, reference=p.reference * sign),
+        aimed=lambda p, target: replace(p, reference=target),
         stretched=_stretched,
         response=None if form.path_limited else lambda u, p: slew_response(u, p, form),
         equations=functools.partial(_equations, form) if by_pulses else None,

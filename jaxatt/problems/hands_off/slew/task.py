@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import jax
 import numpy as np
+import numpy.typing as npt
 from jax import Array
 
 from jaxatt.attitude import errors
@@ -48,8 +49,9 @@ _SMALL_GYROSCOPIC_TURN = 0.5
 
 
 def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
-    """As `_compare`, for (4,) and (S, 4), on the host."""
-    return in_chunks(lambda chunk: _compare(q_ref, chunk), q, key="compare")
+    """As `_compare`, for (4,) or (S, 4) and (S, 4), on the host."""
+    pairs = np.broadcast_to(q_ref, np.shape(q)), q
+    return in_chunks(lambda pair: _compare(*pair), pairs, key="compare")
 
 
 _turn = jax.jit(errors.rotation_vector, compiler_options=RUNS_ONCE)
@@ -160,6 +162,18 @@ class SlewTask(SparseTask):
             plant = replace(self.arguments.plant, pointing=path)
             other.arguments = replace(self.arguments, plant=plant)
         return other
+
+    def aiming_at(self, targets: Floats) -> SlewTask:
+        """The same slew as a batch whose rows have targets q_ob (S, 4) of their own."""
+        other = copy.copy(self)
+        other.target = replace(self.target, q_ob=targets)
+        nearer = np.where(targets @ np.asarray(self.start.q_ob) < 0.0, -1.0, 1.0)
+        other.aims = targets * nearer[:, None]
+        return other
+
+    def pick(self, rows: npt.NDArray[np.int64]) -> SlewTask:
+        """See `SparseTask.pick`."""
+        return self if self.aims is None else self.aiming_at(np.asarray(self.target.q_ob)[rows])
 
     def ignoring_path_limits(self) -> SlewTask:
         """The same slew without path constraints, not even in the verdict."""
