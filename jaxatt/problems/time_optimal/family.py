@@ -18,8 +18,11 @@ from jaxatt.problems.time_optimal.phase import build_time_task, time_record
 from jaxatt.problems.time_optimal.reading import TIME_KINDS, read_time_optimal
 from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
+from jaxatt.problems.time_optimal.targets import answer_targets
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.records.phase import Phase
+from jaxatt.records.targets import TargetAnswers
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
 
@@ -72,6 +75,15 @@ class TimeOptimal(Family):
         self, scenario: Scenario, start: PhaseStart, found: TimeAnswer
     ) -> tuple[Phase, InitialState]:
         return time_record(scenario, start.time, found.task, found.found, found.arcs)
+
+    def answer_targets(
+        self, scenario: Scenario, targets: Floats, report: Report | None
+    ) -> TargetAnswers | None:
+        # Limits on the way may have to be tightened for each answer by itself.
+        task = build_time_task(scenario)
+        if task.pointing or task.form.speed_limited:
+            return None
+        return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed, report)
 
 
 def _but_weight(scenario: Scenario) -> Mapping[str, Any]:

@@ -188,6 +188,16 @@ class ReorientationTask:
         other.program = reorientation(other.form, self.actuation.size)
         return other
 
+    def aiming_at(self, targets: Floats) -> ReorientationTask:
+        """The same turn to another target q_ob (4,), or a batch whose rows have their own (S, 4).
+
+        Starts and what judges answers follow; the programme takes its target from the start.
+        """
+        other = copy.copy(self)
+        other.__dict__.pop("_relative", None)
+        other.target = replace(self.target, q_ob=targets)
+        return other
+
     def weighing(self, effort_weight: float) -> ReorientationTask:
         """The same turn with another weight of effort, rho [1/(N m)^2]."""
         other = copy.copy(self)
@@ -266,13 +276,15 @@ class ReorientationTask:
         """Fly torques (S, N, n + m) [N m] held for steps (S,) [s], at least 20 RK4 steps each.
 
         between : nodes of the flight an interval; `nodes_between` by default.
-        times : how many times as many RK4 steps, for a single flight.
+        times : how many times as many RK4 steps; a single flight then runs the same program, in
+        pieces.
         """
         between = between or self.nodes_between
-        substeps = -(-self.flight_steps // between)
+        pieces = times if len(torque) == 1 else 1
+        substeps = -(-self.flight_steps // between) * (times // pieces)
         fine = np.repeat(torque, between, axis=1)
         table = tabulate(_INERTIAL, 0.0, 1.0, fine.shape[1], substeps)
-        h = np.broadcast_to(np.asarray(step, float), (len(torque),)) / (between * substeps * times)
+        h = np.broadcast_to(np.asarray(step, float), (len(torque),)) / (between * substeps * pieces)
         craft = self.craft
 
         def run(start: AttitudeState, rows: Floats) -> Trajectory:
@@ -284,10 +296,10 @@ class ReorientationTask:
             )
             return flown
 
-        if times == 1:
+        if pieces == 1:
             return run(self.start, fine)
-        parts = np.repeat(fine[0], times, axis=0)
-        return fly_in_pieces(lambda x, rows, _: run(x, rows[None]), self.start, parts, times)
+        parts = np.repeat(fine[0], pieces, axis=0)
+        return fly_in_pieces(lambda x, rows, _: run(x, rows[None]), self.start, parts, pieces)
 
     def fly_on(
         self, state: AttitudeState, torque: Floats, duration: float, steps: int
