@@ -17,8 +17,11 @@ from jaxatt.problems.net_power.reading.objective import KIND
 from jaxatt.problems.net_power.reading.scenario import read_net_power
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.net_power.report.sections import NET_POWER
+from jaxatt.problems.net_power.targets import answer_targets
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
 from jaxatt.records.phase import Phase
+from jaxatt.records.targets import TargetAnswers
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
 
@@ -61,3 +64,12 @@ class NetPower(Family):
     def front(self, scenario: Scenario, asked: FrontRequest, report: Report | None) -> Front:
         """Energy against the length of a manoeuvre, or against the error at its end."""
         return net_power_front(scenario, asked, report)
+
+    def answer_targets(
+        self, scenario: Scenario, targets: Floats, report: Report | None
+    ) -> TargetAnswers | None:
+        """Most energy to each target, with wheels and in a time that is given."""
+        alone = not options_of(scenario).tasks and len(scenario.targets) == 1
+        if not alone or scenario.horizon.free or scenario.objective.terminal != "reach":
+            return None
+        return answer_targets(scenario, targets, report)
