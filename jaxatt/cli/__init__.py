@@ -11,6 +11,7 @@ import typer
 
 from jaxatt.cli.certify import certify
 from jaxatt.cli.compare import compare
+from jaxatt.cli.map import map_
 from jaxatt.cli.merge import merge
 from jaxatt.cli.pareto import pareto
 from jaxatt.cli.plan import plan
@@ -30,6 +31,7 @@ app = typer.Typer(
 )
 for command in (solve, plan, pareto, compare, simulate, certify, sparsity, sweep, merge, show):
     app.command()(command)
+app.command("map")(map_)
 app.add_typer(scenarios, name="scenarios")
 
 

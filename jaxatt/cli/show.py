@@ -10,18 +10,18 @@ import typer
 from jaxatt.cli.common import clean_exit, finish
 from jaxatt.cli.options import Quiet
 from jaxatt.runtime.files import prepare_folder
-from jaxatt.studies.sweep.sweep import open_sweep
+from jaxatt.studies.stored import open_results
 
 
 def show(
-    store: Annotated[Path, typer.Argument(metavar="STORE", help="Store of a sweep.")],
+    store: Annotated[Path, typer.Argument(metavar="STORE", help="Store of a sweep or of a map.")],
     out: Annotated[
         Path | None, typer.Option(help="Folder for the figure.", show_default="the store's")
     ] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Print and draw what the store of a sweep holds so far."""
+    """Print and draw what the store of a sweep or of a map holds so far."""
     with clean_exit():
-        found = open_sweep(store)
+        found = open_results(store)
         folder = prepare_folder(out or store.parent)
         finish(repr(found), found.save(folder), folder, quiet, found.table())

@@ -19,13 +19,14 @@ from jaxatt.cli.common import (
 )
 from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts, Task, read_share
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.report.store.names import store_name
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import load
 from jaxatt.studies.effort_sweep import WEIGHTS, sweep_effort
 from jaxatt.studies.sweep.reading import is_study, load_study
 from jaxatt.studies.sweep.run import samples_of
-from jaxatt.studies.sweep.sweep import Sweep, store_name
+from jaxatt.studies.sweep.sweep import Sweep
 from jaxatt.studies.sweep.sweep import sweep as sweep_study
 
 

@@ -73,6 +73,8 @@ class Family(ABC):
     kinds : values of `objective.kind` that it answers to; the first is the default.
     tables : name of a TOML table -> keys it may hold.
     sections : what it adds to a report.
+    mapped : names in `summary.json` of what a map over many targets shows, best first; none where
+        no attitude is aimed at.
 
     A new family is a subclass in a folder of its own and a line in `jaxatt.problems.registry`, or a
     call of `register` from outside the package.  Nothing else asks which family an answer is from.
@@ -83,6 +85,7 @@ class Family(ABC):
     kinds: tuple[str, ...]
     tables: Mapping[str, tuple[str, ...]]
     sections: Sections
+    mapped: tuple[str, ...] = ()
 
     @abstractmethod
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:

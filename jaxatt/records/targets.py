@@ -16,11 +16,13 @@ class TargetAnswers:
 
     reached : (M,), whether its flight reaches the target, with the error of the flight itself known
     to be small.  numbers : name and unit as in `summary.json` -> (M,); not a number where there is
-    none.
+    none.  controls : (M, N, b), held over each interval, as `Phase.controls`.  step : (M,) [s].
     """
 
     reached: Flags
     numbers: Mapping[str, Floats]
+    controls: Floats
+    step: Floats
 
     @staticmethod
     def join(parts: list[TargetAnswers]) -> TargetAnswers:
@@ -31,4 +33,6 @@ class TargetAnswers:
                 name: np.concatenate([part.numbers[name] for part in parts])
                 for name in parts[0].numbers
             },
+            np.concatenate([part.controls for part in parts]),
+            np.concatenate([part.step for part in parts]),
         )

@@ -106,6 +106,7 @@ class HandsOff(SparseFamily):
     systems = (SPACECRAFT,)
     tables = SPACECRAFT_TABLES
     sections = HANDS_OFF
+    mapped = ("active_intervals", "l1_effort_Nms")
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_hands_off(document, origin, folder)
@@ -121,7 +122,8 @@ class HandsOff(SparseFamily):
     def answer_targets(
         self, scenario: Scenario, targets: Floats, report: Report | None
     ) -> TargetAnswers | None:
-        if scenario.horizon.free or scenario.waypoint is not None or scenario.objective.kind != "l0":
+        several = scenario.horizon.free or scenario.waypoint is not None
+        if several or scenario.objective.kind != "l0":
             return None
         # Nothing is asked of what comes after the end.
         task = build_slew(replace(scenario, horizon=replace(scenario.horizon, coast_intervals=0)))

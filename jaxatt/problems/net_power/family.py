@@ -33,6 +33,7 @@ class NetPower(Family):
     kinds = (KIND,)
     tables = NET_POWER_TABLES
     sections = NET_POWER
+    mapped = ("energy.net_J", "energy.gain_J")
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_net_power(document, origin, folder)

@@ -55,20 +55,21 @@ def _answered(
     order = [_from_best_to_worst(one) for one in solved]
     reached = np.zeros(count, bool)
     numbers: dict[str, Floats] = {}
-    left = np.arange(count)
+    torque, left = np.zeros((count, *solved[0].torque.shape[1:])), np.arange(count)
     for attempt in range(min(_TRIES, solver.starts)):
         chosen = [order[k][attempt] for k in left]
         found = _flown([manoeuvres[k] for k in left], [solved[k] for k in left], chosen)
         for name, values in found.numbers.items():
             numbers.setdefault(name, np.full(count, np.nan))[left] = values
-        reached[left] = found.reached
+        reached[left], torque[left] = found.reached, found.controls
         left = np.flatnonzero(~reached)
         if not len(left):
             break
     law = options_of(scenario).baseline
     if law is not None:
-        numbers["baseline_energy_J"] = fly_baseline(manoeuvres, law).energy.net_J
-    return TargetAnswers(reached, numbers)
+        base = fly_baseline(manoeuvres, law).energy.net_J
+        numbers["energy.gain_J"] = numbers["energy.net_J"] - base
+    return TargetAnswers(reached, numbers, torque, np.array([one.step for one in manoeuvres]))
 
 
 def _from_best_to_worst(solved: Solved) -> npt.NDArray[np.int64]:
@@ -86,9 +87,7 @@ def _flown(
     ]
     dipole = np.stack(dipoles) if dipoles else None
     steps, of = max(steps_for(one) for one in manoeuvres), np.arange(len(manoeuvres))
-    coarse, fine = (
-        fly_many(manoeuvres, of, torque, dipole, times * steps) for times in (1, 2)
-    )
+    coarse, fine = (fly_many(manoeuvres, of, torque, dipole, times * steps) for times in (1, 2))
     verdicts = [
         judge_flight(one, fine, dipole is not None).pick(np.array([k]))
         for k, one in enumerate(manoeuvres)
@@ -105,12 +104,14 @@ def _flown(
     return TargetAnswers(
         verdict.reached & certain,
         {
-            "net_energy_J": fine.energy.net_J,
+            "energy.net_J": fine.energy.net_J,
             "attitude_error_deg": np.degrees(verdict.errors["attitude"]),
             "rate_error_rad_s": verdict.errors["rate"],
             "flight_error_deg": np.degrees(attitude),
             "flight_error_rad_s": rate,
-            "kkt_violation": picked("violation"),
-            "kkt_stationarity": picked("stationarity"),
+            "kkt.violation": picked("violation"),
+            "kkt.stationarity": picked("stationarity"),
         },
+        torque,
+        fine.step,
     )

@@ -42,6 +42,7 @@ class TimeOptimal(Family):
     kinds = TIME_KINDS
     tables = SPACECRAFT_TABLES
     sections = TIME_OPTIMAL
+    mapped = ("final_time_s",)
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
         return read_time_optimal(document, origin, folder)

@@ -40,7 +40,7 @@ def answer_targets(
         rows = np.flatnonzero(~found.reached)
         if not len(rows):
             break
-    return TargetAnswers(found.reached, found.numbers)
+    return TargetAnswers(found.reached, found.numbers, found.flown_torque, found.flown_step)
 
 
 class _Flown:
@@ -63,6 +63,8 @@ class _Flown:
         """Answers of each target from best to worst by the solver's count, (M, starts)."""
         self.reached = np.zeros(len(targets), bool)
         self.numbers: dict[str, Floats] = {}
+        self.flown_torque = np.zeros((len(targets), *self.torque.shape[1:]))
+        self.flown_step = np.zeros(len(targets))
 
     def fly(self, rows: npt.NDArray[np.int64], attempt: int) -> None:
         """Fly the answer of this rank of some targets, and note what the flights say."""
@@ -76,17 +78,16 @@ class _Flown:
         )
         verdict = task.aiming_at(self.targets[rows]).judge(flown, torque)
         self.reached[rows] = verdict.reached & flight.agreed
-        effort = task.quadratic_effort(torque, step)
+        self.flown_torque[rows], self.flown_step[rows] = torque, step
         noted = {
             "final_time_s": task.intervals * step,
             "cost": self.cost[chosen],
-            "control_effort": effort,
             "attitude_error_deg": np.degrees(verdict.errors["attitude"]),
             "rate_error_rad_s": verdict.errors["rate"],
             "flight_error_deg": np.degrees(flight.attitude),
             "flight_error_rad_s": flight.rate,
-            "kkt_violation": self.violation[chosen],
-            "kkt_stationarity": self.stationarity[chosen],
+            "kkt.violation": self.violation[chosen],
+            "kkt.stationarity": self.stationarity[chosen],
         }
         for name, values in noted.items():
             self.numbers.setdefault(name, np.full(len(self.reached), np.nan))[rows] = values

@@ -13,11 +13,11 @@ from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
 from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.reading.names import read_name
+from jaxatt.report.numbers import CLOCK
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.bundled import suggestion
 from jaxatt.scenarios.loader import plain_values
 from jaxatt.studies.sweep.numbers import whole_document
-from jaxatt.studies.sweep.outputs import CLOCK
 from jaxatt.studies.sweep.samples import METHODS, MOST, Range, grid, notes, scattered
 from jaxatt.studies.sweep.study import Study
 from jaxatt.studies.sweep.vary import check_apart, read_varied

@@ -8,12 +8,12 @@ from typing import Any
 
 from jaxatt.pipeline.solve_many import Attempt, solve_many
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.report.numbers import check_outputs, number_at
 from jaxatt.report.store.layout import Layout
 from jaxatt.report.store.store import Store
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.progress import SAMPLES
 from jaxatt.runtime.settings import check_precision
-from jaxatt.studies.sweep.outputs import check_outputs, number_at
 from jaxatt.studies.sweep.study import FAILED, NOT_REACHED, REACHED, REASON, STATE, Study
 
 _TRIED = 8

@@ -16,6 +16,7 @@ from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.report.store.dataset import open_store
 from jaxatt.report.store.layout import DONE
+from jaxatt.report.store.names import store_name
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import OutputError, filling
 from jaxatt.studies.sweep.figure import sweep_figure
@@ -143,8 +144,3 @@ def sweep(
     path = Path(store_name(study.name, share) if path is None else path)
     run_study(study, path, share, report)
     return open_sweep(path)
-
-
-def store_name(name: str, share: tuple[int, int] = (0, 1)) -> str:
-    """Name of the store of a whole study or of one task."""
-    return f"{name}.zarr" if share == (0, 1) else f"{name}.task-{share[0]}-of-{share[1]}.zarr"

@@ -43,6 +43,8 @@ def answer_targets(
             "flight_error_deg": np.degrees(flight.attitude),
             "flight_error_rad_s": flight.rate,
         },
+        controls,
+        np.full(len(controls), many.step),
     )
 
 

@@ -66,8 +66,8 @@ def search_targets(
         best = _better_of(best, left, bursts)
     left = np.flatnonzero(~best.verdict.reached | (best.rank[:, 1] > _PAIR))
     if len(left) and starts:
-        drawn = _random(task.pick(left), starts, seed, method("deciding which intervals are active"))
-        best = _better_of(best, left, drawn)
+        deciding = method("deciding which intervals are active")
+        best = _better_of(best, left, _random(task.pick(left), starts, seed, deciding))
     return best
 
 

@@ -1,0 +1,63 @@
+"""Solve one scenario for many targets: in batches where its family does so, else one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from jaxatt.pipeline.solve import solve
+from jaxatt.problems.registry import family_of
+from jaxatt.records.targets import TargetAnswers
+from jaxatt.report.numbers import number_at
+from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.chunks import Report
+from jaxatt.scenarios import Scenario
+
+CHECKED = (
+    "attitude_error_deg",
+    "rate_error_rad_s",
+    "flight_error_deg",
+    "flight_error_rad_s",
+    "kkt.violation",
+    "kkt.stationarity",
+)
+"""Names in `summary.json` of what shows how good an answer is, whatever the family."""
+
+
+def solve_targets(
+    scenario: Scenario, targets: Floats, report: Report | None = None
+) -> TargetAnswers:
+    """Find the best answer of a scenario to each of many targets, and fly it again.
+
+    targets : (M, 4), in place of the scenario's own q_ob; what else it asks for stays.
+    report : called by the host with (stage, starts ended) between chunks of work.
+
+    Returns the numbers that the family maps and `CHECKED`; not a number where there is none.
+    """
+    family = family_of(scenario)
+    names = (*family.mapped, *CHECKED)
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = family.answer_targets(scenario, targets, report)
+    if found is None:
+        return _one_by_one(scenario, targets, names, report)
+    nothing = np.full(len(targets), np.nan)
+    return replace(found, numbers={name: found.numbers.get(name, nothing) for name in names})
+
+
+def _one_by_one(
+    scenario: Scenario, targets: Floats, names: Sequence[str], report: Report | None
+) -> TargetAnswers:
+    answers = [solve(_aimed(scenario, q), report=report) for q in targets]
+    summaries = [answer.summary() for answer in answers]
+    return TargetAnswers(
+        np.array([answer.reached for answer in answers]),
+        {name: np.array([number_at(summary, name) for summary in summaries]) for name in names},
+        np.stack([answer.phases[0].controls for answer in answers]),
+        np.array([answer.phases[0].step for answer in answers]),
+    )
+
+
+def _aimed(scenario: Scenario, q: Floats) -> Scenario:
+    return replace(scenario, targets=(replace(scenario.targets[0], q_ob=q),))
