@@ -16,17 +16,20 @@ from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Result
 from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
+from jaxatt.studies.attitude_map.map import AttitudeMap, attitude_map
 from jaxatt.studies.compare import compare
 from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.pareto import pareto
 from jaxatt.studies.pareto_front import ParetoFront
 from jaxatt.studies.relative_sparsity import relative_sparsity
-from jaxatt.studies.sweep.sweep import Sweep, open_sweep, sweep
+from jaxatt.studies.stored import open_study
+from jaxatt.studies.sweep.sweep import Sweep, sweep
 
 Leg = Phase  # its earlier name
 
 __all__ = [
+    "AttitudeMap",
     "Certificate",
     "EffortSweep",
     "FlightComparison",
@@ -41,13 +44,14 @@ __all__ = [
     "Scenario",
     "ScenarioError",
     "Sweep",
+    "attitude_map",
     "certify",
     "compare",
     "compare_flight",
     "configure",
     "minimize",
     "open_archive",
-    "open_sweep",
+    "open_study",
     "pareto",
     "relative_sparsity",
     "scenarios",

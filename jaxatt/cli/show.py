@@ -10,7 +10,7 @@ import typer
 from jaxatt.cli.common import clean_exit, finish
 from jaxatt.cli.options import Quiet
 from jaxatt.runtime.files import prepare_folder
-from jaxatt.studies.stored import open_results
+from jaxatt.studies.stored import open_study
 
 
 def show(
@@ -22,6 +22,6 @@ def show(
 ) -> None:
     """Print and draw what the store of a sweep or of a map holds so far."""
     with clean_exit():
-        found = open_results(store)
+        found = open_study(store)
         folder = prepare_folder(out or store.parent)
         finish(repr(found), found.save(folder), folder, quiet, found.table())

@@ -104,7 +104,8 @@ def fly_all_until_agreed(
     """
     rows, times = np.arange(count), 1
     finest = jax.tree.map(np.array, fly(rows, times))
-    errors = FlightErrors(*(np.full(count, np.inf) for _ in range(3)), np.zeros(count, bool))
+    unknown = np.full(count, np.inf)
+    errors = FlightErrors(unknown, unknown.copy(), unknown.copy(), np.zeros(count, bool))
     while len(rows) and times < _MOST_OF_MANY:
         times *= 2
         fine = fly(rows, times)

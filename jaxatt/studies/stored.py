@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from jaxatt.report.store.dataset import open_store
+from jaxatt.report.store.dataset import load_store
 from jaxatt.runtime.files import OutputError
 from jaxatt.studies.attitude_map.map import AttitudeMap
 from jaxatt.studies.sweep.sweep import Sweep
@@ -12,13 +12,13 @@ from jaxatt.studies.sweep.sweep import Sweep
 _KINDS: dict[str, type[AttitudeMap] | type[Sweep]] = {"map": AttitudeMap, "sweep": Sweep}
 
 
-def open_results(path: str | Path) -> AttitudeMap | Sweep:
+def open_study(path: str | Path) -> AttitudeMap | Sweep:
     """Read what a store holds so far; its own attribute `kind` says which study it is of.
 
     Raises `OutputError` where the folder is no store of a sweep or of a map.
     """
-    with open_store(path) as opened:
-        kind = _KINDS.get(str(opened.attrs.get("kind")))
-        if kind is None:
-            raise OutputError(f"{path}: is a store of neither a sweep nor a map; check the path")
-        return kind(Path(path), opened.load())
+    found = load_store(path)
+    kind = _KINDS.get(str(found.attrs.get("kind")))
+    if kind is None:
+        raise OutputError(f"{path}: is a store of neither a sweep nor a map; check the path")
+    return kind(Path(path), found)

@@ -15,7 +15,7 @@ from jaxatt.scenarios import ScenarioError
 from jaxatt.studies.attitude_map import run as run_module
 from jaxatt.studies.attitude_map.map import attitude_map
 from jaxatt.studies.attitude_map.targets import map_targets
-from jaxatt.studies.stored import open_results
+from jaxatt.studies.stored import open_study
 
 COUNT = 20
 
@@ -70,7 +70,7 @@ def test_a_map_that_was_stopped_goes_on_and_ends_with_the_same_values(whole, tmp
     monkeypatch.setattr(run_module, "solve_targets", stop_at_the_second)
     with pytest.raises(KeyboardInterrupt):
         attitude_map(slew(), COUNT, path)
-    assert open_results(path).dataset["done"].values.sum() == 8
+    assert open_study(path).dataset["done"].values.sum() == 8
     monkeypatch.setattr(run_module, "solve_targets", solved)
     again = attitude_map(slew(), COUNT, path)
     xarray.testing.assert_identical(again.dataset, whole.dataset)
@@ -81,7 +81,7 @@ def test_merged_tasks_are_the_whole_map(whole, tmp_path):
     for task, path in enumerate(parts):
         attitude_map(slew(), COUNT, path, share=(task, 2))
     assert invoke("merge", *parts, "--out", tmp_path / "all.zarr").exit_code == 0
-    xarray.testing.assert_identical(open_results(tmp_path / "all.zarr").dataset, whole.dataset)
+    xarray.testing.assert_identical(open_study(tmp_path / "all.zarr").dataset, whole.dataset)
 
 
 def test_a_store_of_another_map_is_refused(whole):

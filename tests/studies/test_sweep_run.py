@@ -22,11 +22,12 @@ from jaxatt import scenarios
 from jaxatt.cli import app
 from jaxatt.runtime.files import OutputError
 from jaxatt.scenarios import ScenarioError
+from jaxatt.studies.stored import open_study
 from jaxatt.studies.sweep import run as run_module
 from jaxatt.studies.sweep.reading import read_study
 from jaxatt.studies.sweep.run import run_study
 from jaxatt.studies.sweep.study import FAILED, NOT_REACHED, REACHED
-from jaxatt.studies.sweep.sweep import open_sweep, sweep
+from jaxatt.studies.sweep.sweep import sweep
 
 TOY = """
 scenario = "double-integrator"
@@ -105,7 +106,7 @@ def test_every_sample_keeps_its_values_or_its_reason(whole: Path) -> None:
 
 
 def test_a_grid_has_a_dimension_for_each_quantity(whole: Path) -> None:
-    found = open_sweep(whole / "out/toy.zarr")
+    found = open_study(whole / "out/toy.zarr")
     grid = found.grid()
     assert grid.sizes == {"limit": 4, "state_0": 3}
     for limit in (0.9, 1.0):
@@ -134,7 +135,7 @@ def test_tasks_merged_are_the_single_run(whole: Path, tmp_path: Path) -> None:
         found = invoke("sweep", whole / "toy.toml", "--task", task, "--out", tmp_path)
         assert found.exit_code == 3 and "jaxatt merge joins" in found.output
     tasks = [tmp_path / f"toy.task-{k}-of-2.zarr" for k in (0, 1)]
-    assert not any(open_sweep(task).complete for task in tasks)
+    assert not any(open_study(task).complete for task in tasks)
     found = invoke("merge", *tasks, "--out", tmp_path / "toy.zarr")
     assert found.exit_code == 0 and "12 of 12 samples" in found.output
     assert files(tmp_path / "toy.zarr") == files(whole / "out/toy.zarr")
@@ -155,7 +156,7 @@ def test_a_growing_store_is_shown_and_continued(whole: Path, tmp_path: Path, mon
     monkeypatch.setattr(run_module, "solve_many", interrupted)
     found = invoke("sweep", whole / "toy.toml", "--out", tmp_path)
     assert found.exit_code == 130 and "goes on from it" in plain(found)
-    growing = open_sweep(tmp_path / "toy.zarr")
+    growing = open_study(tmp_path / "toy.zarr")
     assert growing.dataset.done.sum() == 6 and not growing.complete
     shown = invoke("show", tmp_path / "toy.zarr", "--quiet")
     assert "6 of 12 samples" in shown.output

@@ -57,8 +57,9 @@ def _answered(
     numbers: dict[str, Floats] = {}
     torque, left = np.zeros((count, *solved[0].torque.shape[1:])), np.arange(count)
     for attempt in range(min(_TRIES, solver.starts)):
-        chosen = [order[k][attempt] for k in left]
-        found = _flown([manoeuvres[k] for k in left], [solved[k] for k in left], chosen)
+        some = left.tolist()
+        chosen = [int(order[k][attempt]) for k in some]
+        found = _flown([manoeuvres[k] for k in some], [solved[k] for k in some], chosen)
         for name, values in found.numbers.items():
             numbers.setdefault(name, np.full(count, np.nan))[left] = values
         reached[left], torque[left] = found.reached, found.controls

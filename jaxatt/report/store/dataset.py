@@ -20,3 +20,9 @@ def open_store(path: str | Path) -> xarray.Dataset:
 
     read_layout(path)
     return xarray.open_zarr(str(path), chunks=None)
+
+
+def load_store(path: str | Path) -> xarray.Dataset:
+    """Read all of a store; raises `OutputError` as `open_store`."""
+    with open_store(path) as opened:
+        return opened.load()

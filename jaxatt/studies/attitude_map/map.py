@@ -14,13 +14,13 @@ from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.drawing.turns import turns_figure
-from jaxatt.report.store.dataset import open_store
+from jaxatt.report.store.dataset import load_store
 from jaxatt.report.store.layout import DONE
 from jaxatt.report.store.names import store_name
 from jaxatt.runtime.chunks import Report
-from jaxatt.runtime.files import OutputError, filling
+from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
-from jaxatt.studies.attitude_map.run import KIND, REACHED_COLUMN, run_map
+from jaxatt.studies.attitude_map.run import REACHED_COLUMN, run_map
 from jaxatt.studies.attitude_map.table import map_numbers, map_table
 from jaxatt.studies.attitude_map.targets import map_targets
 
@@ -100,17 +100,6 @@ class AttitudeMap:
         return as_html(self.table())
 
 
-def open_map(path: str | Path) -> AttitudeMap:
-    """Read what the store of a map holds, while it grows too.
-
-    Raises `OutputError` where the folder is no store of a map.
-    """
-    with open_store(path) as opened:
-        if opened.attrs.get("kind") != KIND:
-            raise OutputError(f"{path}: is a store of something else than a map; check the path")
-        return AttitudeMap(Path(path), opened.load())
-
-
 def prepared_scenario(
     scenario: scenarios.Scenario | str | Path,
     objective: str | None = None,
@@ -155,4 +144,4 @@ def attitude_map(
     aimed = map_targets(scenario, targets)
     path = Path(store_name(f"{scenario.name}-map", share) if path is None else path)
     run_map(scenario, aimed, path, share, report)
-    return open_map(path)
+    return AttitudeMap(path, load_store(path))

@@ -14,11 +14,11 @@ from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.report.store.dataset import open_store
+from jaxatt.report.store.dataset import load_store
 from jaxatt.report.store.layout import DONE
 from jaxatt.report.store.names import store_name
 from jaxatt.runtime.chunks import Report
-from jaxatt.runtime.files import OutputError, filling
+from jaxatt.runtime.files import filling
 from jaxatt.studies.sweep.figure import sweep_figure
 from jaxatt.studies.sweep.reading import load_study, read_study
 from jaxatt.studies.sweep.run import run_study
@@ -109,17 +109,6 @@ class Sweep:
         return as_html(self.table())
 
 
-def open_sweep(path: str | Path) -> Sweep:
-    """Read what the store of a sweep holds, while it grows too.
-
-    Raises `OutputError` where the folder is no store of a sweep.
-    """
-    with open_store(path) as opened:
-        if opened.attrs.get("kind") != "sweep":
-            raise OutputError(f"{path}: is a store of something else than a sweep; check the path")
-        return Sweep(Path(path), opened.load())
-
-
 def sweep(
     study: Study | Mapping[str, Any] | str | Path,
     path: str | Path | None = None,
@@ -143,4 +132,4 @@ def sweep(
         study = load_study(study)
     path = Path(store_name(study.name, share) if path is None else path)
     run_study(study, path, share, report)
-    return open_sweep(path)
+    return Sweep(path, load_store(path))

@@ -95,8 +95,9 @@ def supports_between(task: SparseTask, support: Mask) -> Mask:
         return np.zeros((0, task.intervals, 1), bool)
     gap = int(np.diff(active).argmax())
     inside = np.flatnonzero(allowed & _between(task.intervals, active[gap], active[gap + 1]))
-    spread = np.linspace(0, len(inside) - 1, _PLACES).round().astype(int) if len(inside) else []
-    places = inside[np.unique(spread).astype(int)]
+    if not len(inside):
+        return np.zeros((0, task.intervals, 1), bool)
+    places = inside[np.unique(np.linspace(0, len(inside) - 1, _PLACES).round().astype(int))]
     made: Mask = np.zeros((len(places), task.intervals, 1), bool)
     made[:, np.delete(active, [gap, gap + 1])] = True
     made[np.arange(len(places)), places] = True
