@@ -5,6 +5,8 @@ from __future__ import annotations
 import copy
 import json
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,6 +38,16 @@ def test_bundled_studies_are_read(name: str) -> None:
     assert found.name == name and is_study(name)
     for index in (0, len(found.values) - 1):
         scenarios.from_mapping(found.sample(index))
+
+
+def test_the_study_of_the_page_is_read() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, flags=re.S)
+    found = read_study(parse(text, "page"))
+    assert found.values.shape == (64, 2) and found.name == "study"
+    assert [v.name for v in found.varied] == ["torque_limit_Nm_factor", "wheel_speed_rad_s"]
+    wheels = scenarios.from_mapping(found.sample(3)).initial.omega_bw
+    np.testing.assert_allclose(wheels, found.values[3, 1])
 
 
 def test_a_scenario_is_no_study() -> None:
