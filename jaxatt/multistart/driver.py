@@ -2,8 +2,9 @@
 
 Starts are solved in chunks of one compiled size, one a core, the batch axis where the solver is
 fastest.  Those that end make room for those that wait (`refilling`), and none is begun anew; where
-all starts take the same number of passes a chunk runs to the end in one call instead.  What a start
-does depends on itself alone.
+all starts take the same number of passes a chunk runs to the end in one call instead.  Several
+devices have a part of the rows each (`sharding`), several processes a share of the starts
+(`jaxatt.runtime.processes`).  What a start does depends on itself alone.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 from jax import Array, lax
+from jax.sharding import Mesh
 
 from jaxatt.multistart.refilling import refilling
+from jaxatt.multistart.sharding import ROWS, WHOLE, own_devices, parted, placed, rows_along
 from jaxatt.optimize.solver import Solver, advance, refuse, solve
 from jaxatt.runtime.chunks import Progress, chunk_for
 from jaxatt.runtime.compilation import Routine
+from jaxatt.runtime.processes import shared
 
 _WORKING_COPIES = 16
 """Memory that a pass takes for a start, in states: derivatives, trial points, what XLA keeps."""
@@ -64,23 +68,41 @@ class Plain:
 
 @dataclass(frozen=True)
 class Job:
-    """A problem as a static argument of a `Routine`; lapack : whether its solver calls LAPACK.
+    """A problem as a static argument of a `Routine`.
 
-    Such programs are not kept: tracing sets it up.
+    lapack : whether its solver calls LAPACK; such programs are not kept, because tracing sets it
+        up, and run on one device.
+    mesh : the devices that share a chunk; None for one.
     """
 
     problem: Problem
     lapack: bool
+    mesh: Mesh | None
 
     @property
     def label(self) -> str | None:
         """Label for `jaxatt.runtime.compilation`; None for programs that are not kept."""
-        return None if self.lapack else self.problem.label
+        return None if self.lapack or self.mesh is not None else self.problem.label
+
+    @property
+    def devices(self) -> int:
+        """How many devices share a chunk."""
+        return 1 if self.mesh is None else self.mesh.size
+
+
+def _job(solver: Solver, problem: Problem) -> Job:
+    lapack = solver.calls_lapack
+    return Job(problem, lapack, None if lapack else own_devices())
 
 
 @functools.partial(Routine, statics=1)
 def to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
     """Run a chunk of starts to their results, leading axis rows."""
+    run = functools.partial(_to_the_end, job)
+    return parted(job.mesh, run, (ROWS, WHOLE, WHOLE), ROWS)(starts, args, solver)
+
+
+def _to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
     axis = solver.batch_axis
 
     def one(start: Any) -> Any:
@@ -96,6 +118,15 @@ def some_passes(
     job: Job, starts: Any, states: Any, fresh: Array, args: Any, solver: Solver
 ) -> tuple[Any, Any, Array]:
     """Advance a chunk of starts by some passes; see `refilling.Advance`."""
+    along = rows_along(solver.batch_axis, states)
+    run = functools.partial(_some_passes, job)
+    run = parted(job.mesh, run, (ROWS, along, ROWS, WHOLE, WHOLE), (along, ROWS, ROWS))
+    return run(starts, states, fresh, args, solver)
+
+
+def _some_passes(
+    job: Job, starts: Any, states: Any, fresh: Array, args: Any, solver: Solver
+) -> tuple[Any, Any, Array]:
     axis, problem = solver.batch_axis, job.problem
     program, starts = problem.program, _to(axis, starts)
 
@@ -145,9 +176,12 @@ def run_starts(
     """Run all starts and gather their results on the host, leading axis S.
 
     starts : pytree with leading axis S.  args : pytree that all starts share.
-    rows : starts in one compiled call; by default as many as the cores or the accelerator want,
-        and never more than fit into memory.
+    rows : starts in one compiled call on each device; by default as many as the cores or the
+        accelerators want, and never more than fit into memory.
     progress : called by the host with the number of starts that have just ended.
+
+    Where there are several processes, all call this alike; each solves its share, and all get all
+    results.
 
     Raises ValueError, before anything is compiled, where the solver does not support the programme.
     """
@@ -155,20 +189,38 @@ def run_starts(
     count = len(jax.tree.leaves(starts)[0])
     state = _state(solver, problem, starts, args)
     rows = _fitting(chunk_for(count) if rows is None else rows, state)
-    job = Job(problem, solver.calls_lapack)
+
+    def own(share: Any, progress: Progress | None) -> Any:
+        return _run_own(solver, problem, share, args, state, rows, progress)
+
+    return shared(own, starts, progress)
+
+
+def _run_own(
+    solver: Solver,
+    problem: Problem,
+    starts: Any,
+    args: Any,
+    state: Any,
+    rows: int,
+    progress: Progress | None,
+) -> Any:
+    """As `run_starts`, for the share of this process; state : shapes of one start's."""
+    job = _job(solver, problem)
+    rows = rows * job.devices
     key = (job, *_types(starts), *_types(solver))
+    how = (rows, progress, key, not job.lapack, job.devices)
     if solver.same_passes:
 
         def ended(some: Any, states: Any, fresh: npt.NDArray[np.bool_]) -> tuple[Any, Any, Any]:
             return states, to_the_end(job, some, args, solver), np.zeros(len(fresh), bool)
 
-        return refilling(ended, starts, (), rows, progress, key, not solver.calls_lapack)
+        return refilling(ended, starts, (), *how)
 
     def passes(some: Any, states: Any, fresh: npt.NDArray[np.bool_]) -> tuple[Any, Any, Any]:
         return some_passes(job, some, states, fresh, args, solver)
 
-    empty = _empty(solver, state, rows)
-    return refilling(passes, starts, empty, rows, progress, key, not solver.calls_lapack)
+    return refilling(passes, starts, _empty(solver, state, rows, job), *how)
 
 
 def begin_compiling(
@@ -176,13 +228,13 @@ def begin_compiling(
 ) -> None:
     """Compile ahead, in a thread of `pool`, what `run_starts` will call for such starts."""
     state = _state(solver, problem, starts, args)
-    rows = _fitting(rows, state)
-    job = Job(problem, solver.calls_lapack)
+    job = _job(solver, problem)
+    rows = _fitting(rows, state) * job.devices
     some = jax.tree.map(lambda leaf: np.zeros((rows, *leaf.shape[1:]), leaf.dtype), starts)
     if solver.same_passes:
         to_the_end.begin(pool, job, some, args, solver)
     else:
-        empty, fresh = _empty(solver, state, rows), np.zeros(rows, bool)
+        empty, fresh = _empty(solver, state, rows, job), np.zeros(rows, bool)
         some_passes.begin(pool, job, some, empty, fresh, args, solver)
 
 
@@ -209,14 +261,15 @@ def _state(solver: Solver, problem: Problem, starts: Any, args: Any) -> Any:
     return _states[key]
 
 
-def _empty(solver: Solver, state: Any, rows: int) -> Any:
-    """States of rows that are not running, on the device of the next call."""
+def _empty(solver: Solver, state: Any, rows: int, job: Job) -> Any:
+    """States of rows that are not running, on the devices of the next call."""
 
     def batch(leaf: Any) -> Any:
         shape = (rows, *leaf.shape) if solver.batch_axis == 0 else (*leaf.shape, rows)
         return np.zeros(shape, leaf.dtype)
 
-    return jax.device_put(jax.tree.map(batch, state), jax.local_devices()[0])
+    states = jax.tree.map(batch, state)
+    return placed(job.mesh, states, rows_along(solver.batch_axis, states))
 
 
 def _fitting(rows: int, state: Any) -> int:

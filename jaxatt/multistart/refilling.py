@@ -64,12 +64,12 @@ class _Chunk:
     """A chunk of lanes that advance together.
 
     index : (rows,), the lane in every row.  busy, fresh : (rows,).
-    device : where they are; None where there is but one.
+    order : (rows,), in which they are filled.
     """
 
-    def __init__(self, advance: Advance, empty: Any, rows: int, device: jax.Device | None):
-        self.advance, self.device = advance, device
-        self.states = empty if device is None else jax.device_put(empty, device)
+    def __init__(self, advance: Advance, empty: Any, rows: int, shards: int):
+        self.advance, self.states = advance, empty
+        self.order = np.arange(rows).reshape(shards, -1).T.ravel()
         self.index = np.zeros(rows, int)
         self.busy = np.zeros(rows, bool)
         self.fresh = np.zeros(rows, bool)
@@ -78,7 +78,7 @@ class _Chunk:
         """Fill free rows, advance some iterations and store finished lanes; False when all are
         done.
         """
-        free = np.flatnonzero(~self.busy)
+        free = self.order[~self.busy[self.order]]
         taken = lanes.take(len(free))
         self.fresh[:] = False
         self.fresh[free[: len(taken)]] = self.busy[free[: len(taken)]] = True
@@ -86,8 +86,6 @@ class _Chunk:
         if not self.busy.any():
             return False
         some = jax.tree.map(lambda leaf: leaf[self.index], lanes.lanes)
-        if self.device is not None:
-            some = jax.device_put(some, self.device)
         self.states, results, running = self.advance(some, self.states, self.fresh)
         ended = self.busy & ~np.asarray(running)
         if ended.any():
@@ -116,6 +114,7 @@ def refilling(
     progress: Progress | None = None,
     key: Hashable = None,
     together: bool = True,
+    shards: int = 1,
 ) -> Any:
     """Advance all lanes until none is running, and return their results with leading axis S.
 
@@ -124,14 +123,12 @@ def refilling(
     key : what `advance` compiles for; the first chunk of a new key runs alone, or every thread
     would compile it.
     together : False where chunks cannot run side by side.
+    shards : devices that have an equal part of the rows each, and get as many lanes.
     """
     shared = _Lanes(lanes, progress)
-    devices = jax.local_devices()
-    side_by_side = min(workers(), -(-shared.count // rows)) if together else 1
-    chunks = [
-        _Chunk(advance, empty, rows, devices[number % len(devices)] if len(devices) > 1 else None)
-        for number in range(side_by_side)
-    ]
+    most = max(1, workers() // shards) if together else 1
+    side_by_side = min(most, -(-shared.count // rows))
+    chunks = [_Chunk(advance, empty, rows, shards) for _ in range(side_by_side)]
     if first_time(key, rows):
         chunks[0].step(shared)
     # A chunk stays with its thread, this one included: to wake one for every few passes takes time.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import jax
 
-from jaxatt.runtime.chunks import ACCELERATOR_CHUNK, workers
+from jaxatt.runtime.chunks import ACCELERATOR_CHUNK, share_of
 
 _STAGES = 512
 """Stages side by side that keep a core busy; more of them leave its cache."""
@@ -23,7 +23,7 @@ def rows_of_stages(count: int, intervals: int) -> int:
     count : starts.  intervals : stages of each.
     """
     if jax.default_backend() != "cpu":
-        return min(ACCELERATOR_CHUNK, 1 << max(3, (count - 1).bit_length()))
-    share = 1 << max(0, -(-count // workers()) - 1).bit_length()
+        return min(ACCELERATOR_CHUNK, 1 << max(3, (share_of(count) - 1).bit_length()))
+    share = 1 << max(0, share_of(count) - 1).bit_length()
     fitting = 1 << max(0, (_STAGES // intervals).bit_length() - 1)
     return min(share, fitting, _MOST)

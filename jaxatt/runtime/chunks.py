@@ -1,4 +1,7 @@
-"""Split a batch of any length into chunks of one compiled size, and run them on all cores."""
+"""Split a batch of any length into chunks of one compiled size, and run them on all cores.
+
+Where there are several processes, each runs the chunks of its share.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +13,8 @@ from typing import Any
 
 import jax
 import numpy as np
+
+from jaxatt.runtime.processes import shared
 
 CHUNK = 64
 """Rows in one compiled call; 32 to 128 are fastest on a core."""
@@ -30,7 +35,7 @@ def cores() -> int:
 
 
 def workers() -> int:
-    """Number of chunks that run side by side.
+    """Number of chunks that run side by side in this process.
 
     One a core where JAX runs programs in the thread that calls them, see `jaxatt.runtime.settings`;
     one a device otherwise.
@@ -40,10 +45,15 @@ def workers() -> int:
     return cores() if inline and cpu else 1 if cpu else jax.local_device_count()
 
 
+def share_of(count: int) -> int:
+    """Rows of a batch of `count` for each of the chunks that run side by side in all processes."""
+    return -(-count // (workers() * jax.process_count()))
+
+
 def chunk_for(count: int) -> int:
     """Chunk size for a batch of `count`: a power of two, small enough to use every core."""
     most = CHUNK if jax.default_backend() == "cpu" else ACCELERATOR_CHUNK
-    share = -(-count // workers())
+    share = share_of(count)
     return min(most, max(8, 1 << (share - 1).bit_length()))
 
 
@@ -100,6 +110,7 @@ def in_chunks(
 ) -> Any:
     """Apply `run` to all rows of a batch, chunk by chunk, and gather the results on the host.
 
+    batch : with leading axis S, the same in all processes, and so is what is returned.
     run : from a pytree with leading axis `rows` to another; compiled, so that it leaves the
     interpreter free while it works: chunks run side by side, one a core.
     key : what `run` compiles for; the first chunk of a new key runs alone, or every thread would
@@ -107,6 +118,22 @@ def in_chunks(
     together : False where `run` calls LAPACK: such programs take turns, because side by side they
     can wait for ever for each other's threads.
     """
+
+    def own(share: Any, progress: Progress | None) -> Any:
+        return _own_chunks(run, share, rows, progress, key, together)
+
+    return shared(own, batch, progress)
+
+
+def _own_chunks(
+    run: Callable[[Any], Any],
+    batch: Any,
+    rows: int,
+    progress: Progress | None,
+    key: Hashable,
+    together: bool,
+) -> Any:
+    """As `in_chunks`, for the share of this process."""
     parts = list(padded_chunks(batch, rows))
     alone = int(first_time(key, rows)) if together else len(parts)
     gathered = []

@@ -4,11 +4,12 @@ import pytest
 
 from jaxatt.multistart import staged_chunks
 from jaxatt.multistart.staged_chunks import rows_of_stages
+from jaxatt.runtime import chunks
 
 
 @pytest.fixture(autouse=True)
 def _two_cores(monkeypatch):
-    monkeypatch.setattr(staged_chunks, "workers", lambda: 2)
+    monkeypatch.setattr(chunks, "workers", lambda: 2)
 
 
 @pytest.mark.parametrize(
@@ -19,6 +20,6 @@ def test_chunks_keep_to_the_cores_and_their_cache(count, intervals, rows):
     assert rows_of_stages(count, intervals) == rows
 
 
-def test_an_accelerator_gets_all_starts_at_once(monkeypatch):
+def test_two_accelerators_get_half_of_all_starts_each(monkeypatch):
     monkeypatch.setattr(staged_chunks.jax, "default_backend", lambda: "gpu")
-    assert rows_of_stages(64, 2190) == 64
+    assert rows_of_stages(64, 2190) == 32
