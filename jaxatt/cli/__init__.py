@@ -1,8 +1,8 @@
 """The command line, one command a file.
 
 Exit codes: 0 when every phase verifiably reached its target or every run flew to the end, 2 for bad
-input or where output cannot be written, 3 when an answer does not reach or a run failed, 130 when
-interrupted.
+input or where output cannot be written, 3 when an answer does not reach or a run failed, 4 when
+another process of the same computation is lost, 130 when interrupted.
 """
 
 from __future__ import annotations

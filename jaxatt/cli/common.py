@@ -4,22 +4,29 @@ from __future__ import annotations
 
 import os
 import sys
+import traceback
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
+import numpy as np
 import typer
 from rich.console import Console, RenderableType
 
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
 from jaxatt.report.result import Result
+from jaxatt.runtime.compilation import source_digest
 from jaxatt.runtime.files import OutputError, prepare_folder
+from jaxatt.runtime.joining import JoinError, Joining, LostProcessError, leave, several, writes
+from jaxatt.runtime.processes import agree
 from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
 
-BAD_INPUT, NOT_REACHED, INTERRUPTED = 2, 3, 130
+BAD_INPUT, NOT_REACHED, LOST, INTERRUPTED = 2, 3, 4, 130
+
+_ALONE = Joining()
 
 
 def prepare_jax(cache: Path | None = None) -> None:
@@ -28,14 +35,23 @@ def prepare_jax(cache: Path | None = None) -> None:
     configure(cache=cache)
 
 
-def prepared(case: str, changes: dict[str, Any], out: Path | None) -> tuple[Scenario, Path]:
-    """Load the scenario and prepare the output folder, so that bad input fails before the solve."""
+def prepared(
+    case: str, changes: dict[str, Any], out: Path | None, joining: Joining = _ALONE
+) -> tuple[Scenario, Path]:
+    """Load the scenario and prepare the output folder, so that bad input fails before the solve.
 
+    joining : other processes, which are waited for; only process 0 needs the folder.
+    """
+    joining.check()
     scenario = scenarios.load(case)
     given = {key: value for key, value in changes.items() if value is not None}
     if given:
         scenario = scenarios.replace(scenario, given)
-    return scenario, prepare_folder(out or Path("results") / scenario.name)
+    joining.join()
+    same = repr((scenario.document, source_digest())).encode()
+    agree(np.frombuffer(same, np.uint8), "another scenario or other code")
+    folder = out or Path("results") / scenario.name
+    return scenario, prepare_folder(folder) if writes() else folder
 
 
 def numbers(text: str, option: str) -> list[float]:
@@ -137,13 +153,30 @@ def shortfall(result: Result) -> str:
 
 @contextmanager
 def clean_exit() -> Iterator[None]:
-    """Turn bad input and interruption into a message and an exit code."""
+    """Turn bad input, lost processes and interruption into a message and an exit code."""
 
     try:
         yield
-    except (ScenarioError, OutputError) as error:
+    except (ScenarioError, OutputError, JoinError) as error:
         complain(f"Error: {error}")
-        raise typer.Exit(BAD_INPUT) from None
+        _end(BAD_INPUT)
+    except LostProcessError as error:
+        complain(f"Error: {error}; nothing half-written was left behind")
+        _end(LOST)
     except KeyboardInterrupt:
         complain("Interrupted; nothing half-written was left behind.")
-        raise typer.Exit(INTERRUPTED) from None
+        _end(INTERRUPTED)
+    except typer.Exit:
+        raise
+    except Exception:
+        if several():
+            traceback.print_exc()
+            _end(1)
+        raise
+
+
+def _end(code: int) -> NoReturn:
+    """End with an exit code, so that other processes learn of it at once."""
+    if several():
+        leave(code)
+    raise typer.Exit(code) from None

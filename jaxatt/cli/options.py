@@ -78,6 +78,30 @@ Task = Annotated[
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]
+Coordinator = Annotated[
+    str | None,
+    typer.Option(
+        metavar="HOST:PORT",
+        help="Address of process 0, where several processes share the starts; auto: as SLURM or "
+        "another scheduler says. All take the same command.",
+        show_default="one process",
+    ),
+]
+Processes = Annotated[
+    int | None,
+    typer.Option(min=1, help="How many processes there are.", show_default="the scheduler's"),
+]
+Process = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        help="Which of them this is; process 0 writes and prints.",
+        show_default="the scheduler's",
+    ),
+]
+JoinTimeout = Annotated[
+    float, typer.Option(min=1.0, help="Seconds within which all processes must have started.")
+]
 
 
 def read_share(text: str | None) -> tuple[int, int]:

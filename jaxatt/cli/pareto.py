@@ -16,7 +16,19 @@ from jaxatt.cli.common import (
     prepare_jax,
     prepared,
 )
-from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.cli.options import (
+    Cache,
+    Case,
+    Coordinator,
+    JoinTimeout,
+    Out,
+    Process,
+    Processes,
+    Quiet,
+    Seed,
+    Starts,
+)
+from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.pareto import POINTS, STARTS, front_request
 from jaxatt.studies.pareto import pareto as find
@@ -51,16 +63,21 @@ def pareto(
     seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
+    coordinator: Coordinator = None,
+    processes: Processes = None,
+    process: Process = None,
+    join_timeout: JoinTimeout = JOIN_S,
     quiet: Quiet = False,
 ) -> None:
     """Compute the Pareto front of a manoeuvre's energy against time or against its error."""
     with clean_exit():
         given = None if values is None else numbers(values, "--values")
         asked = front_request(over, points, given)
-        scenario, folder = prepared(case, {}, out)
         prepare_jax(compile_cache)
+        joining = Joining(coordinator, processes, process, join_timeout)
+        scenario, folder = prepared(case, {}, out, joining)
         flown = asked.points * (starts or min(STARTS, scenario.solver.starts))
-        with Reporter(flown, quiet) as report:
+        with Reporter(flown, quiet or not writes()) as report:
             found = find(
                 scenario,
                 over,
@@ -70,7 +87,9 @@ def pareto(
                 seed=seed,
                 report=report,
             )
-        finish(repr(found), found.save(folder), folder, quiet, found.table())
+        if writes():
+            finish(repr(found), found.save(folder), folder, quiet, found.table())
+            if not found.reached:
+                complain("a point does not reach what was asked when flown")
         if not found.reached:
-            complain("a point does not reach what was asked when flown")
             raise typer.Exit(NOT_REACHED)

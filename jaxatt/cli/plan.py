@@ -8,9 +8,21 @@ from typing import Annotated
 import typer
 
 from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared
-from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.cli.options import (
+    Cache,
+    Case,
+    Coordinator,
+    JoinTimeout,
+    Out,
+    Process,
+    Processes,
+    Quiet,
+    Seed,
+    Starts,
+)
 from jaxatt.pipeline.solve import solve
 from jaxatt.report.tables import result_table
+from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.studies.plan_year import STARTS, plan_year
@@ -40,23 +52,29 @@ def plan(
     ] = None,
     out: Out = None,
     compile_cache: Cache = None,
+    coordinator: Coordinator = None,
+    processes: Processes = None,
+    process: Process = None,
+    join_timeout: JoinTimeout = JOIN_S,
     quiet: Quiet = False,
 ) -> None:
     """Plan tasks that earn the most energy, fly the plan, write summary, archive and figures."""
     changes = {"solver.starts": starts, "solver.seed": seed, "plan.joint": joint}
     with clean_exit():
-        scenario, folder = prepared(case, changes, out)
+        prepare_jax(compile_cache)
+        joining = Joining(coordinator, processes, process, join_timeout)
+        scenario, folder = prepared(case, changes, out, joining)
         if "tasks" not in scenario.document:
             raise ScenarioError(
                 f"{scenario.name}: has no [[tasks]] to plan; use jaxatt solve, or add some"
             )
-        prepare_jax(compile_cache)
         if dates is not None:
             _over_dates(scenario, dates, starts, seed, folder, quiet)
             return
-        with Reporter(scenario.solver.starts, quiet) as report:
+        with Reporter(scenario.solver.starts, quiet or not writes()) as report:
             result = solve(scenario, report=report)
-        finish(repr(result), result.save(folder), folder, quiet, result_table(result))
+        if writes():
+            finish(repr(result), result.save(folder), folder, quiet, result_table(result))
         if not result.reached:
             raise typer.Exit(NOT_REACHED)
 
@@ -65,8 +83,9 @@ def _over_dates(
     scenario: Scenario, dates: str, starts: int | None, seed: int | None, folder: Path, quiet: bool
 ) -> None:
     days = read_dates(dates, scenario)
-    with Reporter(len(days) * (starts or STARTS), quiet) as report:
+    with Reporter(len(days) * (starts or STARTS), quiet or not writes()) as report:
         year = plan_year(scenario, days, starts=starts, seed=seed, report=report)
-    finish(repr(year), year.save(folder), folder, quiet, year.table())
+    if writes():
+        finish(repr(year), year.save(folder), folder, quiet, year.table())
     if not year.reached:
         raise typer.Exit(NOT_REACHED)

@@ -15,10 +15,24 @@ from jaxatt.cli.common import (
     prepared,
     shortfall,
 )
-from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts, Terminal
+from jaxatt.cli.options import (
+    Cache,
+    Case,
+    Coordinator,
+    JoinTimeout,
+    Objective,
+    Out,
+    Process,
+    Processes,
+    Quiet,
+    Seed,
+    Starts,
+    Terminal,
+)
 from jaxatt.pipeline.solve import solve as find
 from jaxatt.report.do_nothing import do_nothing_sentence
 from jaxatt.report.tables import result_table
+from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
 
 
@@ -33,6 +47,10 @@ def solve(
     objective: Objective = None,
     out: Out = None,
     compile_cache: Cache = None,
+    coordinator: Coordinator = None,
+    processes: Processes = None,
+    process: Process = None,
+    join_timeout: JoinTimeout = JOIN_S,
     quiet: Quiet = False,
 ) -> None:
     """Find the sparsest or shortest manoeuvre, fly it again, write summary, archive and figures."""
@@ -43,14 +61,16 @@ def solve(
         "objective.kind": objective,
     }
     with clean_exit():
-        scenario, folder = prepared(case, changes, out)
         prepare_jax(compile_cache)
-
-        with Reporter(scenario.solver.starts, quiet) as report:
+        joining = Joining(coordinator, processes, process, join_timeout)
+        scenario, folder = prepared(case, changes, out, joining)
+        with Reporter(scenario.solver.starts, quiet or not writes()) as report:
             result = find(scenario, report=report)
-        finish(repr(result), result.save(folder), folder, quiet, result_table(result))
+        if writes():
+            finish(repr(result), result.save(folder), folder, quiet, result_table(result))
+            if not result.reached:
+                # The table ends with this sentence already.
+                sentence = do_nothing_sentence(result) if quiet else ""
+                complain(f"{sentence} {shortfall(result)}".strip())
         if not result.reached:
-            # The table ends with this sentence already.
-            sentence = do_nothing_sentence(result) if quiet else ""
-            complain(f"{sentence} {shortfall(result)}".strip())
             raise typer.Exit(NOT_REACHED)

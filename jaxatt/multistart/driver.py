@@ -119,9 +119,11 @@ def some_passes(
 ) -> tuple[Any, Any, Array]:
     """Advance a chunk of starts by some passes; see `refilling.Advance`."""
     along = rows_along(solver.batch_axis, states)
-    run = functools.partial(_some_passes, job)
-    run = parted(job.mesh, run, (ROWS, along, ROWS, WHOLE, WHOLE), (along, ROWS, ROWS))
-    return run(starts, states, fresh, args, solver)
+    run, takes = functools.partial(_some_passes, job), (ROWS, along, ROWS, WHOLE, WHOLE)
+    found: tuple[Any, Any, Array] = parted(job.mesh, run, takes, (along, ROWS, ROWS))(
+        starts, states, fresh, args, solver
+    )
+    return found
 
 
 def _some_passes(

@@ -13,10 +13,10 @@ import numpy as np
 from jax.sharding import Mesh, NamedSharding
 from jax.sharding import PartitionSpec as P
 
-ROWS = P("starts")
+ROWS = P("starts")  # type: ignore[no-untyped-call]
 """Of arrays whose leading axis is the rows."""
 
-WHOLE = P()
+WHOLE = P()  # type: ignore[no-untyped-call]
 """Of what every device has."""
 
 
@@ -30,10 +30,16 @@ def rows_along(axis: int, of: Any) -> Any:
     """Specification of every leaf of a pytree whose axis of rows is the first or the last."""
     if axis == 0:
         return jax.tree.map(lambda leaf: ROWS, of)
-    return jax.tree.map(lambda leaf: P(*[None] * (np.ndim(leaf) - 1), "starts"), of)
+
+    def last(leaf: Any) -> P:
+        return P(*[None] * (np.ndim(leaf) - 1), "starts")  # type: ignore[no-untyped-call]
+
+    return jax.tree.map(last, of)
 
 
-def parted(mesh: Mesh | None, run: Callable[..., Any], takes: Any, gives: Any) -> Callable[..., Any]:
+def parted(
+    mesh: Mesh | None, run: Callable[..., Any], takes: Any, gives: Any
+) -> Callable[..., Any]:
     """`run` on every device with its part of the rows; takes, gives : specifications."""
     if mesh is None:
         return run

@@ -176,11 +176,11 @@ def _circumstances() -> str:
         for name, value in sorted(jax.config.values.items())
         if not any(word in name for word in passing)
     }
-    return repr((_code(), jax.__version__, jax.default_backend(), settings))
+    return repr((source_digest(), jax.__version__, jax.default_backend(), settings))
 
 
 @functools.cache
-def _code() -> str:
+def source_digest() -> str:
     """Digest of the package's source."""
     code = hashlib.sha256()
     for source in sorted(Path(__file__).parents[1].rglob("*.py")):
