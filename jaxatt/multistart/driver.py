@@ -70,8 +70,8 @@ class Plain:
 class Job:
     """A problem as a static argument of a `Routine`.
 
-    lapack : whether its solver calls LAPACK; such programs are not kept, because tracing sets it
-        up, and run on one device.
+    lapack : whether its solver calls LAPACK, on a CPU; such programs are not kept, because tracing
+        sets it up, and run on one device.
     mesh : the devices that share a chunk; None for one.
     """
 
@@ -91,7 +91,7 @@ class Job:
 
 
 def _job(solver: Solver, problem: Problem) -> Job:
-    lapack = solver.calls_lapack
+    lapack = solver.calls_lapack and jax.default_backend() == "cpu"
     return Job(problem, lapack, None if lapack else own_devices())
 
 

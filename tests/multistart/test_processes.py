@@ -8,10 +8,12 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from jaxatt.cli import app
+from jaxatt.report.archive import open_archive
 from jaxatt.runtime.joining import JoinError, Joining
 
 SCRIPT = Path(__file__).parents[1] / "references/shared_starts.py"
@@ -71,16 +73,50 @@ def test_two_processes_give_what_one_gives(alone, devices):
     assert (code, other_code) == (0, 0), err + other_err
     together = document(out)
     assert (together["processes"], together["devices"]) == (2, devices)
-    for what in ("x", "status", "iterations", "length"):
+    for what in ("x", "passes", "sines", "none"):
         assert json.dumps(together[what]) == json.dumps(alone[what]), what
     assert sum(together["told"]) == COUNT
-    assert "status" not in other_out, "only process 0 prints"
+    assert "passes" not in other_out, "only process 0 prints"
+
+
+@pytest.mark.slow
+def test_a_whole_solve_is_the_same_in_two_processes_of_two_devices(tmp_path):
+    command = [sys.executable, "-m", "jaxatt", "solve", "hypso1-90-45-15", "--starts", "9"]
+
+    def solve(name, devices, *flags):
+        return subprocess.Popen(
+            [*command, "--quiet", "--out", tmp_path / name, *flags],
+            env={
+                **os.environ,
+                "XLA_FLAGS": f"--xla_force_host_platform_device_count={devices}",
+                "JAX_PLATFORMS": "cpu",
+            },
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    where = ("--coordinator", f"127.0.0.1:{free_port()}", "--processes", "2", "--process")
+    for code, _, err in ended(
+        solve("alone", 1), *(solve("both", 2, *where, str(k)) for k in (0, 1)), within=400.0
+    ):
+        assert code == 0, err
+    alone, both = (
+        {
+            key: value.values
+            for key, value in open_archive(tmp_path / name / "result.nc").data_vars.items()
+        }
+        for name in ("alone", "both")
+    )
+    assert len(alone) > 10 and alone.keys() == both.keys()
+    for key in alone:
+        np.testing.assert_array_equal(both[key], alone[key], err_msg=key)
 
 
 def test_processes_that_disagree_say_so():
     port = free_port()
     both = ended(*(begin(8, number, port=port, what="other") for number in (0, 1)))
-    for code, out, err in both:
+    for code, _, err in both:
         assert code == 4
         assert "process 1 has other starts than process 0" in err
 
@@ -176,7 +212,9 @@ def test_slurm_tells_who_is_who():
         "print('joined', jax.process_index(), jax.process_count(), writes())"
     )
 
-    def task(number, job=str(free_port() % 4096)):
+    job = str(free_port() % 4096)  # which tells the port
+
+    def task(number):
         variables = {
             "SLURM_JOB_ID": job,
             "SLURM_STEP_NODELIST": "localhost",
