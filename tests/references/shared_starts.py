@@ -1,4 +1,4 @@
-"""Kepler's equation from many starts, solved by however many devices and processes; a script of its own.
+"""Kepler's equation from many starts, on however many devices and processes; a script of its own.
 
     python shared_starts.py STARTS [HOST:PORT PROCESSES PROCESS [WHAT]]
 
