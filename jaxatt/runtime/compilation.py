@@ -58,7 +58,10 @@ class Routine:
         begun = self._begun.get(key)
         if begun is None and kept and key not in self._plain:
             begun = self._begun[key] = Future()
-            begun.set_result(self._program(args)[0])
+            try:
+                begun.set_result(self._program(args)[0])
+            except BaseException as error:  # or other threads would wait for ever
+                begun.set_exception(error)
         if begun is None:
             return self._jitted(*args)
         try:

@@ -106,7 +106,7 @@ def test_a_program_kept_under_other_circumstances_is_left_alone(pool, folder, ch
     ahead(fresh(), pool, CUBE, X, 2.0)
     x = X
     if change == "code":
-        monkeypatch.setattr(compilation, "_code", lambda: "edited")
+        monkeypatch.setattr(compilation, "source_digest", lambda: "edited")
     elif change == "types":
         x = X.astype(np.float32)
     before = jax.config.jax_default_matmul_precision
@@ -171,3 +171,15 @@ def test_side_by_side_counts_once():
         end = begin + rng.integers(0, 10, size=begin.shape)
         seconds = {s for b, e in zip(begin, end, strict=True) for s in range(b, e)}
         assert covered(list(zip(begin.tolist(), end.tolist(), strict=True))) == len(seconds)
+
+
+def test_what_cannot_be_traced_is_raised_again_and_again(folder):
+    """A call that fails must not leave another one, or another thread, waiting for it."""
+
+    def refuses(power, x):
+        raise ZeroDivisionError("not today")
+
+    routine = Routine(refuses, statics=1)
+    for _ in range(2):
+        with pytest.raises(ZeroDivisionError, match="not today"):
+            routine(Power(2, "square"), jnp.ones(3))
