@@ -1,11 +1,11 @@
-"""Neighbours of a support: complete, inside what is allowed, and never twice the same."""
+"""Neighbours and mergers of a support: complete, inside what is allowed, never twice the same."""
 
 import itertools
 
 import numpy as np
 import pytest
 
-from jaxatt.optimize.reweighting.support import neighbours
+from jaxatt.optimize.reweighting.support import mergers, neighbours
 
 
 def brute_force(support, allowed, far):
@@ -65,3 +65,22 @@ def test_a_single_active_entry_is_never_dropped():
     support[2] = True
     found = neighbours(support, np.ones_like(support))
     assert [int(np.flatnonzero(each)[0]) for each in found] == [0, 1, 3, 4]
+
+
+@pytest.mark.parametrize(("intervals", "groups"), [(8, 1), (5, 3)])
+def test_mergers_are_those_of_brute_force(intervals, groups):
+    rng = np.random.default_rng(intervals)
+    for _ in range(20):
+        allowed = rng.random((intervals, groups)) < 0.8
+        support = allowed & (rng.random((intervals, groups)) < 0.4)
+        expected = set()
+        for one, other in itertools.combinations(np.argwhere(support), 2):
+            for place in np.argwhere(allowed & ~support):
+                merged = support.copy()
+                merged[*one] = merged[*other] = False
+                merged[*place] = True
+                expected.add(merged.tobytes())
+        every = [each.tobytes() for each in mergers(support, allowed, 10_000)]
+        assert len(every) == len(expected) and set(every) == expected
+        some = [each.tobytes() for each in mergers(support, allowed, 7)]
+        assert len(some) == min(7, len(every)) and set(some) <= expected

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import numpy.typing as npt
 
@@ -32,4 +34,22 @@ def neighbours(support: Mask, allowed: Mask) -> list[Mask]:
                 moved = dropped.copy()
                 moved[place, group] = True
                 found.append(moved)
+    return found
+
+
+def mergers(support: Mask, allowed: Mask, most: int) -> list[Mask]:
+    """Supports with two active entries dropped and one let in anywhere, so one fewer in all.
+
+    support, allowed : (N, g).  most : supports, spread evenly over all there are.
+    """
+    pairs = list(itertools.combinations(np.argwhere(support), 2))
+    places = np.argwhere(allowed & ~support)
+    total = len(pairs) * len(places)
+    found: list[Mask] = []
+    for index in np.unique(np.linspace(0, total - 1, min(most, total)).round().astype(int)):
+        one, other = pairs[index // len(places)]
+        merged = support.copy()
+        merged[*one] = merged[*other] = False
+        merged[*places[index % len(places)]] = True
+        found.append(merged)
     return found

@@ -4,7 +4,8 @@
 2. The support is frozen and the L1 effort is minimised on it, with all constraints; where one
    control is all that an interval has, intervals that it can do without are left out.
 3. Where many intervals stay active, reweighted least effort from there makes them fewer.
-4. The best supports found are improved by dropping and moving single intervals.
+4. The best supports found are improved by dropping and moving single intervals; of the best of
+   all, one interval is tried in the place of two.
 5. Every answer is flown again; only those flights are ranked and reported.
 """
 
@@ -22,7 +23,7 @@ from jaxatt.problems.hands_off.search.bounded_search import from_bounded_starts,
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join, support_of
 from jaxatt.problems.hands_off.search.elimination import with_fewer_intervals
 from jaxatt.problems.hands_off.search.enumeration import from_pairs
-from jaxatt.problems.hands_off.search.local_search import improve
+from jaxatt.problems.hands_off.search.local_search import improve, merge
 from jaxatt.problems.hands_off.search.polish import Method, decide, polish
 from jaxatt.problems.hands_off.search.reweighted_effort import reweighted
 from jaxatt.problems.hands_off.search.starts import Starts, draw
@@ -35,7 +36,7 @@ _IMPROVED = 2
 _FEW = 4
 """Active intervals up to which reweighted least effort is not tried to have fewer."""
 _COMPARED = 2
-"""Active intervals up to which an answer is not compared with bursts at both ends."""
+"""Active intervals up to which an answer is not compared with bursts at both ends, nor merged."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,9 @@ def search(
         usable = [i for i in order if pool.verdict.reached[i] or not reached_first]
         tried: set[bytes] = set()
         pool = join(pool, *(improve(task, pool.pick(index), moving, tried) for index in usable))
+        if reached_first and usable and _most(task, pool) > _COMPARED:
+            best = pool.pick(pool.order(True)[0])
+            pool = join(pool, merge(task, best, moving, tried))
     return chosen(task, ended, pool)
 
 
