@@ -35,7 +35,7 @@ class Step(NamedTuple):
     convex: Array
 
 
-def _weighted(slope: Array, weight: Array) -> Array:
+def weighted(slope: Array, weight: Array) -> Array:
     """Product slope' diag(weight) slope, (..., z, z), as a sum of rank-one products."""
     shape = (*slope.shape[:-2], slope.shape[-1], slope.shape[-1])
     total = jnp.zeros(shape, slope.dtype)
@@ -45,7 +45,7 @@ def _weighted(slope: Array, weight: Array) -> Array:
     return total
 
 
-def _times(slope: Array, vector: Array) -> Array:
+def times(slope: Array, vector: Array) -> Array:
     """Matrix-vector product over the last axes."""
     return jnp.sum(slope * vector[..., None, :], axis=-1)
 
@@ -76,17 +76,17 @@ def newton_step(
     at_end = dual.final - intercept.final + stiffness.final * final_excess
     gradient = jnp.concatenate([jnp.zeros((count, n), dtype), model.gradient[:, n:] + by_limits], 1)
     gradient = gradient + jnp.sum(model.path_slope * at_path[..., None], axis=1)
-    hessian = model.hessian + _weighted(model.path_slope, stiffness.path)
+    hessian = model.hessian + weighted(model.path_slope, stiffness.path)
     if model.equality.shape[-1]:
         pulled = row_penalty * model.equality
         gradient = gradient + jnp.sum(model.equality_slope * pulled[..., None], axis=1)
         weight = jnp.broadcast_to(row_penalty, model.equality.shape)
-        hessian = hessian + _weighted(model.equality_slope, weight)
+        hessian = hessian + weighted(model.equality_slope, weight)
     diagonal = jnp.concatenate([jnp.zeros((count, n), dtype), diagonal], axis=1)
-    last = model.final_hessian + _weighted(
+    last = model.final_hessian + weighted(
         model.rows_slope, jnp.broadcast_to(row_penalty, model.rows.shape)
     )
-    last = last + _weighted(model.final_slope, stiffness.final)
+    last = last + weighted(model.final_slope, stiffness.final)
     pull = jnp.sum(model.rows_slope * (row_penalty * model.rows)[:, None], axis=0)
     pull = pull + jnp.sum(model.final_slope * at_end[:, None], axis=0)
     end_value = jnp.concatenate([last, pull[:, None]], axis=1)
@@ -125,16 +125,16 @@ def newton_step(
     end, (x, u) = lax.scan(forwards, begin, (model.dynamics, laws, model.gap))
     moved = jnp.concatenate([x, u], axis=1)
     ahead = jnp.concatenate([x[1:], end[None]])
-    costates = model.costates + valued[..., n] + _times(valued[..., :n], ahead)
+    costates = model.costates + valued[..., n] + times(valued[..., :n], ahead)
     slack_step = Bounded(
-        _times(model.path_slope, moved) + path_excess,
-        _times(model.final_slope, end) + final_excess,
+        times(model.path_slope, moved) + path_excess,
+        times(model.final_slope, end) + final_excess,
         u,
         -u,
     )
     dual_step = jax.tree.map(
         lambda a, z, q, ds: a - z - q * ds, intercept, dual, stiffness, slack_step
     )
-    rows = row_penalty * (model.rows + _times(model.rows_slope, end))
-    equality = row_penalty * (model.equality + _times(model.equality_slope, moved))
+    rows = row_penalty * (model.rows + times(model.rows_slope, end))
+    equality = row_penalty * (model.equality + times(model.equality_slope, moved))
     return Step(x, end, u, equality, rows, slack_step, dual_step, costates, least > _LEAST_PIVOT)

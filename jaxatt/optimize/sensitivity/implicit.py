@@ -1,0 +1,149 @@
+"""An answer as a function of its parameters, differentiated by the implicit function theorem.
+
+`settled` takes Newton steps on the first-order conditions with given limits active.  Its derivative
+does not go through those steps: it is one linear solve with the symmetric KKT matrix, so that
+`jax.jvp`, `jax.grad`, `jax.vmap` and second derivatives compose.
+
+Source: Blondel et al. (2022), "Efficient and modular implicit differentiation".
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+from jax.flatten_util import ravel_pytree
+
+from jaxatt.optimize.sensitivity.conditions import Conditions, gradient
+
+_MOST_PASSES = 25
+_ROUNDING = 1e-16
+"""Residual at which there is nothing left to improve; rounding mostly ends it before."""
+
+
+def size_of(tree: Any) -> Array:
+    """Largest magnitude in a pytree, ()."""
+    return jnp.max(jnp.abs(ravel_pytree(tree)[0]), initial=0.0)
+
+
+def step_of(
+    conditions: Conditions, system: Any, point: Any, args: Any, active: Any, right: Any
+) -> Any:
+    """Step with KKT matrix . step = right, as a linear and symmetric function of `right`.
+
+    system : of `conditions` at the point.
+    """
+    at, unflat = ravel_pytree(conditions.zero(point))
+
+    def slope(step: Array) -> Array:
+        found = jax.grad(lambda s: conditions.lagrangian(point, unflat(s), args, active))(step)
+        return jnp.asarray(found)
+
+    def matrix(step: Array) -> Array:
+        return jax.jvp(slope, (at,), (step,))[1]
+
+    fixed = lax.stop_gradient(system)
+
+    def inverse(_: Any, right: Array) -> Array:
+        return ravel_pytree(conditions.solve(fixed, active, unflat(right)))[0]
+
+    # One vector: the transpose takes a right-hand side that is unknown as a whole.
+    whole = ravel_pytree(right)[0]
+    return unflat(lax.custom_linear_solve(matrix, whole, inverse, symmetric=True))
+
+
+class Settled(NamedTuple):
+    """A point after Newton steps.  residual : (), of the conditions.  passes : () taken."""
+
+    point: Any
+    residual: Array
+    passes: Array
+
+
+def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settled:
+    """Take Newton steps on the conditions for as long as they reduce the residual."""
+
+    def going(state: tuple[Any, ...]) -> Array:
+        return state[-1]
+
+    def onward(state: tuple[Any, ...]) -> tuple[Any, ...]:
+        kept, size, point, passes, _ = state
+        system = conditions.system(point, args)
+        found = conditions.residual(system, point, active)
+        left = size_of(found)
+        better = left < size
+        kept = jax.tree.map(lambda a, b: jnp.where(better, a, b), point, kept)
+        rounding = left <= _ROUNDING
+        step = conditions.solve(system, active, jax.tree.map(jnp.negative, found))
+        goes_on = better & ~rounding & (passes < _MOST_PASSES)
+        size = jnp.where(better, left, size)
+        return kept, size, conditions.moved(point, step), passes + goes_on, goes_on
+
+    infinite = jnp.asarray(jnp.inf)
+    start = (point, infinite, point, jnp.zeros((), int), jnp.asarray(True))
+    kept, size, _, passes, _ = lax.while_loop(going, onward, start)
+    return Settled(kept, size, passes)
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def settled(conditions: Conditions, args: Any, near: Any, active: Any) -> Any:
+    """Point at which the conditions hold, from one nearby; differentiable in `args`.
+
+    near : a point.  active : limits that hold there, and are taken to hold for all `args`.
+    """
+    return newton(conditions, near, args, active).point
+
+
+@settled.defjvp
+def _settled_jvp(conditions: Conditions, primals: Any, tangents: Any) -> tuple[Any, Any]:
+    args, near, active = primals
+    point = settled(conditions, args, near, active)
+    system = conditions.system(point, args)
+    return point, point_along(conditions, system, point, args, active, tangents[0])[1]
+
+
+def step_along(
+    conditions: Conditions, system: Any, point: Any, args: Any, active: Any, along: Any
+) -> Any:
+    """Step by which an answer moves when its parameters move along a tangent of `args`."""
+
+    def at(args: Any) -> Any:
+        return gradient(conditions, point, args, active)
+
+    change = jax.jvp(at, (args,), (along,))[1]
+    right = jax.tree.map(jnp.negative, change)
+    return step_of(conditions, system, point, args, active, right)
+
+
+def point_along(
+    conditions: Conditions, system: Any, point: Any, args: Any, active: Any, along: Any
+) -> tuple[Any, Any]:
+    """The step of `step_along`, and the tangent of the point."""
+    step = step_along(conditions, system, point, args, active, along)
+    at = conditions.zero(point)
+    return step, jax.jvp(lambda s: conditions.moved(point, s), (at,), (step,))[1]
+
+
+@functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
+def value(conditions: Conditions, args: Any, near: Any, active: Any) -> Array:
+    """Objective () of the answer; see `settled` for the arguments.
+
+    Its derivative is that of L at fixed variables and multipliers, without any linear solve.
+    """
+    point = settled(conditions, args, near, active)
+    return conditions.objective(point, args)
+
+
+@value.defjvp
+def _value_jvp(conditions: Conditions, primals: Any, tangents: Any) -> tuple[Array, Array]:
+    args, near, active = primals
+    point = settled(conditions, args, near, active)
+
+    def worth(args: Any) -> Array:
+        return conditions.lagrangian(point, conditions.zero(point), args, active)
+
+    change = jax.jvp(worth, (args,), (tangents[0],))[1]
+    return conditions.objective(point, args), change
