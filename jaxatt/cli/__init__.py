@@ -11,11 +11,13 @@ import typer
 
 from jaxatt.cli.certify import certify
 from jaxatt.cli.compare import compare
+from jaxatt.cli.design import design
 from jaxatt.cli.map import map_
 from jaxatt.cli.merge import merge
 from jaxatt.cli.pareto import pareto
 from jaxatt.cli.plan import plan
 from jaxatt.cli.scenarios import scenarios
+from jaxatt.cli.sensitivities import sensitivities
 from jaxatt.cli.show import show
 from jaxatt.cli.simulate import simulate
 from jaxatt.cli.solve import solve
@@ -29,7 +31,20 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (solve, plan, pareto, compare, simulate, certify, sparsity, sweep, merge, show):
+for command in (
+    solve,
+    plan,
+    pareto,
+    compare,
+    simulate,
+    certify,
+    sparsity,
+    sensitivities,
+    design,
+    sweep,
+    merge,
+    show,
+):
     app.command()(command)
 app.command("map")(map_)
 app.add_typer(scenarios, name="scenarios")

@@ -13,6 +13,7 @@ from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sections import Sections
+from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.records.phase import Phase
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
@@ -181,6 +182,16 @@ class Family(ABC):
     ) -> Any:
         """Evidence on the answer of a phase, for scenarios that `check_certifiable` passes."""
         raise NotImplementedError
+
+    def sensitive(self, scenario: Scenario, start: PhaseStart, found: Any) -> SensitiveAnswer:
+        """The answer of a phase, polished, as a function of what it depends on.
+
+        found : as `search` returned it.  Raises `ScenarioError` where it has no sensitivities.
+        """
+        raise ScenarioError(
+            f'{scenario.name}: answers of objective.kind = "{scenario.objective.kind}" have no '
+            "sensitivities yet; write the problem with jaxatt.transcribe, whose answers have"
+        )
 
     def extra(self, scenario: Scenario, found: Sequence[Any]) -> Mapping[str, Any]:
         """Numbers of a whole result that belong to no phase, from what the searches returned."""

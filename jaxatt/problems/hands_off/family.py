@@ -19,6 +19,7 @@ from jaxatt.problems.hands_off.reading.scenario import read_hands_off
 from jaxatt.problems.hands_off.record import FinalTimes
 from jaxatt.problems.hands_off.report.sections import HANDS_OFF
 from jaxatt.problems.hands_off.search.search import Found
+from jaxatt.problems.hands_off.sensitive import sensitive_effort
 from jaxatt.problems.hands_off.slew.flight import fly_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.sparse_program import DecidedBy
@@ -28,6 +29,7 @@ from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.records.phase import Phase
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
@@ -92,6 +94,17 @@ class SparseFamily(Family):
         build = self.build(scenario, start)
         task = build(scenario, enforce_speed_limits=False, final_time=phase.final_time)
         return certify_support(task, phase, most, seed, report)
+
+    def sensitive(
+        self, scenario: Scenario, start: PhaseStart, found: SparseAnswer
+    ) -> SensitiveAnswer:
+        build, task = self.build(scenario, start), found.task
+        time = None if not scenario.horizon.free else task.final_time
+
+        def again(scenario: Scenario) -> SparseTask:
+            return build(scenario, enforce_speed_limits=task.limits_speeds, final_time=time)
+
+        return sensitive_effort(scenario, task, found.found, again)
 
     def extra(self, scenario: Scenario, found: Sequence[SparseAnswer]) -> Mapping[str, Any]:
         if scenario.objective.terminal != "penalty":

@@ -103,6 +103,11 @@ class SparseTask(ABC):
     """Ways round to the target: 1 for the short one, -1 for the long one."""
 
     @property
+    def limits_speeds(self) -> bool:
+        """Whether the programme keeps limits of wheel speeds."""
+        return False
+
+    @property
     def watches(self) -> bool:
         """Whether flights are looked at between the nodes, for cones and rate limits."""
         return False
@@ -156,6 +161,19 @@ class SparseTask(ABC):
 
     def begin_verifying(self, pool: Executor) -> None:  # noqa: B027
         """Compile what `verify` runs ahead, in threads of a pool, if it is much."""
+
+    effort_name: str = ""
+    """Unit of the effort; empty where it has none."""
+
+    @property
+    @abstractmethod
+    def control_unit(self) -> Floats:
+        """The system's controls for a unit of the scaled ones, (b,)."""
+
+    @property
+    def effort_unit(self) -> float:
+        """Effort of an interval for a unit of the rows of `arguments.effort_map`."""
+        return float(np.max(self.control_unit)) * self.step
 
     @abstractmethod
     def l1_effort(self, controls: Floats) -> Floats:

@@ -12,12 +12,14 @@ from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.effort_path import effort_path
 from jaxatt.problems.time_optimal.phase import build_time_task, time_record
 from jaxatt.problems.time_optimal.reading import TIME_KINDS, read_time_optimal
 from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
+from jaxatt.problems.time_optimal.sensitive import sensitive_turn
 from jaxatt.problems.time_optimal.targets import answer_targets
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.records.phase import Phase
@@ -85,6 +87,11 @@ class TimeOptimal(Family):
         if task.pointing or task.form.speed_limited:
             return None
         return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed, report)
+
+    def sensitive(
+        self, scenario: Scenario, start: PhaseStart, found: TimeAnswer
+    ) -> SensitiveAnswer:
+        return sensitive_turn(scenario, start, found.task, found.found)
 
 
 def _but_weight(scenario: Scenario) -> Mapping[str, Any]:

@@ -17,6 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
 
+from jaxatt.optimize.interior_point.model import Bounded
 from jaxatt.optimize.interior_point.solver import InteriorSolution
 from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal.batch import solve_paths
@@ -50,6 +51,7 @@ class FreeTimeFound:
     cost : (S,) [s].  status : (S,) `Status`.  violation, stationarity : (S,), as the solver has
     them.  iterations : (S,).  own_error : (S,) [rad], by which the transcription's own end misses.
     long_way : (S,).  verdict : of flights with fine steps.
+    rows, limits : multipliers of the solver, of the terminal rows and of all limits.
     constraint_margin : (m + 1,), how much stricter cones [rad] and rates were taken than they are.
     substeps : Runge-Kutta steps an interval of the solver.
     best : index of the answer.  minima : distinct ones among the starts that converged.
@@ -73,6 +75,8 @@ class FreeTimeFound:
     minima: int
     share: float
     constraint_margin: Floats
+    rows: Floats
+    limits: Bounded
 
     @property
     def reached(self) -> npt.NDArray[np.bool_]:
@@ -142,6 +146,8 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
         minima,
         share,
         np.zeros(len(task.pointing.cones) + 1),
+        np.asarray(solution.rows),
+        solution.dual,
     )
 
 
@@ -208,4 +214,6 @@ def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
         minima=1,
         share=1.0,
         constraint_margin=np.zeros(len(task.pointing.cones) + 1),
+        rows=np.zeros((1, 0)),
+        limits=Bounded(*(jnp.zeros((1, 0)) for _ in Bounded._fields)),
     )

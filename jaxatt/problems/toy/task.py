@@ -165,6 +165,11 @@ class ToyTask(SparseTask):
         """Scaled controls from controls."""
         return np.asarray(controls / self.limit)
 
+    @property
+    def control_unit(self) -> Floats:
+        """The limit of the control, (1,)."""
+        return np.array([self.limit])
+
     def fly(self, controls: Floats) -> Floats:
         """States (S, N + 1, 2) with twenty times the substeps of the optimisation."""
         steps = self.substeps * _VERIFICATION_FACTOR

@@ -182,6 +182,11 @@ class SlewTask(SparseTask):
         return other
 
     @property
+    def limits_speeds(self) -> bool:
+        """Whether the programme keeps limits of wheel speeds."""
+        return self.form.speed_limited
+
+    @property
     def watches(self) -> bool:
         """Whether flights are checked between the nodes."""
         return bool(self.pointing) and self.judges_path
@@ -214,6 +219,13 @@ class SlewTask(SparseTask):
     def from_controls(self, controls: Floats) -> Floats:
         """Scaled variables from torques in the optimisation's axes [N m]."""
         return np.asarray(controls / self.scale)
+
+    effort_name = "N m s"
+
+    @property
+    def control_unit(self) -> Floats:
+        """Torques of a unit of the scaled variables, (b,) [N m]."""
+        return self.scale
 
     def wheel_torque(self, controls: Floats) -> Floats:
         """Wheel torques (..., N, n) [N m]."""

@@ -1,0 +1,41 @@
+"""Command `jaxatt sensitivities`."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax, prepared
+from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.runtime.progress import Reporter
+from jaxatt.studies.sensitivity.sensitivities import sensitivities as find
+
+
+def sensitivities(
+    case: Case,
+    parameters: Annotated[
+        str | None,
+        typer.Option(
+            help="Numbers of the scenario, separated by commas, such as "
+            "vehicle.wheels.torque_limit_Nm; all that matter by default.",
+            show_default=False,
+        ),
+    ] = None,
+    starts: Starts = None,
+    seed: Seed = None,
+    out: Out = None,
+    compile_cache: Cache = None,
+    quiet: Quiet = False,
+) -> None:
+    """Say how the answer of a scenario changes with the numbers of the scenario."""
+    with clean_exit():
+        scenario, folder = prepared(case, {}, out)
+        prepare_jax(compile_cache)
+        names = None if parameters is None else [part.strip() for part in parameters.split(",")]
+        with Reporter(starts or scenario.solver.starts, quiet) as report:
+            found = find(scenario, names, starts=starts, seed=seed, report=report)
+        finish(repr(found), found.save(folder), folder, quiet, found.table())
+        if not found.regular:
+            complain("the answer is not regular; the table says why, and which derivatives hold")
+            raise typer.Exit(NOT_REACHED)
