@@ -21,8 +21,8 @@ from jaxatt.runtime.settings import configure
 from jaxatt.scenarios import Scenario, ScenarioError
 from jaxatt.studies.attitude_map.map import AttitudeMap, attitude_map
 from jaxatt.studies.compare import compare
-from jaxatt.studies.design.result import DesignResult
-from jaxatt.studies.design.search import design
+from jaxatt.studies.design.design import design
+from jaxatt.studies.design.result import Design
 from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.pareto import pareto
@@ -38,7 +38,7 @@ Leg = Phase  # its earlier name
 __all__ = [
     "AttitudeMap",
     "Certificate",
-    "DesignResult",
+    "Design",
     "EffortSweep",
     "FlightComparison",
     "FlightResult",

@@ -8,32 +8,35 @@ from typing import Annotated
 import typer
 
 from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax
-from jaxatt.cli.options import Cache, Out, Quiet
+from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
-from jaxatt.studies.design.search import design as find
-from jaxatt.studies.design.study import load_design
-
-_MOST = 40
+from jaxatt.studies.design.design import design as find
+from jaxatt.studies.design.reading import load_design
 
 
 def design(
-    study: Annotated[str, typer.Argument(metavar="FILE", help="A TOML file of a design study.")],
-    most: Annotated[
-        int, typer.Option("--most", min=1, help="Designs that may be tried, about.")
-    ] = _MOST,
+    case: Annotated[
+        str, typer.Argument(metavar="STUDY", help="A bundled design study or a TOML file of one.")
+    ],
+    starts: Starts = None,
+    seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Choose numbers of a scenario by descent: torque limits, mountings, sizes of wheels."""
+    """Choose numbers of a scenario by descent: torque limits, mountings, sizes of wheels.
+
+    What is minimised is the objective of its answers, or a number under a limit of that objective.
+    """
     with clean_exit():
-        read = load_design(study)
-        folder = prepare_folder(out or Path("results") / read.name)
+        given = {"solver.starts": starts, "solver.seed": seed}
+        study = load_design(case, {key: value for key, value in given.items() if value is not None})
+        folder = prepare_folder(out or Path("results") / study.name)
         prepare_jax(compile_cache)
-        with Reporter(most, quiet) as report:
-            found = find(read, most=most, report=report)
+        with Reporter(study.points, quiet) as report:
+            found = find(study, report)
         finish(repr(found), found.save(folder), folder, quiet, found.table())
         if not found.reached:
-            complain("a case of the best design does not reach what was asked when flown")
+            complain("an independent solve of the design does not confirm it; take more starts")
             raise typer.Exit(NOT_REACHED)

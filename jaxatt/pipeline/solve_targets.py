@@ -49,7 +49,7 @@ def solve_targets(
 def _one_by_one(
     scenario: Scenario, targets: Floats, names: Sequence[str], report: Report | None
 ) -> TargetAnswers:
-    answers = [solve(_aimed(scenario, q), report=report) for q in targets]
+    answers = [solve(scenario.aiming_at(q), report=report) for q in targets]
     summaries = [answer.summary() for answer in answers]
     return TargetAnswers(
         np.array([answer.reached for answer in answers]),
@@ -57,7 +57,3 @@ def _one_by_one(
         np.stack([answer.phases[0].controls for answer in answers]),
         np.array([answer.phases[0].step for answer in answers]),
     )
-
-
-def _aimed(scenario: Scenario, q: Floats) -> Scenario:
-    return replace(scenario, targets=(replace(scenario.targets[0], q_ob=q),))

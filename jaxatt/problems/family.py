@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from jaxatt.problems.front import Front, FrontRequest
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sections import Sections
-from jaxatt.problems.sensitive import SensitiveAnswer
+from jaxatt.problems.sensitive import OptimalObjective, SensitiveAnswer
 from jaxatt.records.phase import Phase
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
@@ -164,6 +166,28 @@ class Family(ABC):
         """
         return None
 
+    def measure(self, scenario: Scenario) -> str:
+        """Name in `summary.json` of the objective that `sensitive` differentiates; empty if none.
+
+        A design minimises it, or a number under a limit of it.
+        """
+        return ""
+
+    def search_targets(
+        self,
+        scenario: Scenario,
+        targets: Floats,
+        near: Sequence[Any] | None,
+        report: Report | None,
+    ) -> Sequence[Any]:
+        """Search for each of many targets (M, 4), each as `search` returns it for that target.
+
+        near : answers for the same targets of a scenario that differs little, from which a family
+        may go on in place of the scenario's own starts.
+        """
+        options = SearchOptions()
+        return [self.search(scenario.aiming_at(q), PhaseStart(), options, report) for q in targets]
+
     def check_certifiable(self, scenario: Scenario) -> None:
         """Refuse scenarios whose minimum is not shown by trying supports, with `ScenarioError`."""
         raise ScenarioError(
@@ -191,6 +215,17 @@ class Family(ABC):
         raise ScenarioError(
             f'{scenario.name}: answers of objective.kind = "{scenario.objective.kind}" have no '
             "sensitivities yet; write the problem with jaxatt.transcribe, whose answers have"
+        )
+
+    def objective(self, scenario: Scenario, start: PhaseStart, found: Any) -> OptimalObjective:
+        """The objective alone of such an answer, for designs."""
+        sensitive = self.sensitive(scenario, start, found)
+        answer = sensitive.optimum.answer
+        return OptimalObjective(
+            answer.objective,
+            answer.args,
+            sensitive.arguments,
+            lambda along: np.asarray(answer.moves(along).objective),
         )
 
     def extra(self, scenario: Scenario, found: Sequence[Any]) -> Mapping[str, Any]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.pointing.case import FREE, Pointing
+from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
 SPACECRAFT = "spacecraft"
@@ -202,3 +203,7 @@ class Scenario:
     document: Mapping[str, Any] = field(default_factory=dict, repr=False)
     origin: str = field(default="scenario", repr=False)
     folder: Path | None = field(default=None, repr=False)
+
+    def aiming_at(self, q_ob: Floats) -> Scenario:
+        """The same manoeuvre to another target attitude (4,); what else it asks for stays."""
+        return replace(self, targets=(replace(self.targets[0], q_ob=q_ob),))

@@ -8,6 +8,7 @@ from typing import Any
 
 from jaxatt.optimize.sensitivity.optimum import Optimum
 from jaxatt.problems.scenario import Scenario
+from jaxatt.runtime.arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,3 +25,18 @@ class SensitiveAnswer:
     label: str
     unit: str
     notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class OptimalObjective:
+    """The objective of an answer as a function of what it depends on.
+
+    value : at the answer; infinite where there is none.  args : what it depends on, a pytree.
+    arguments : a changed scenario -> the same of that one.
+    along : directions (P, ...) of `args` -> derivatives (P,) of the objective.
+    """
+
+    value: float
+    args: Any
+    arguments: Callable[[Scenario], Any]
+    along: Callable[[Any], Floats]

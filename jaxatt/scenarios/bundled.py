@@ -9,8 +9,14 @@ from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import nearest
 
-KINDS = {"manoeuvre": "data", "flight": "flights", "imaging": "imaging", "study": "studies"}
-"""Folder of every kind: manoeuvres, flights of feedback laws, images of the ground, sweeps."""
+KINDS = {
+    "manoeuvre": "data",
+    "flight": "flights",
+    "imaging": "imaging",
+    "study": "studies",
+    "design": "designs",
+}
+"""Folder of every kind: manoeuvres, flights of feedback laws, images of the ground, studies."""
 
 
 def _folder(kind: str) -> Traversable:

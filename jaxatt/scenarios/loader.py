@@ -12,6 +12,7 @@ from jaxatt.problems.family import Family
 from jaxatt.problems.reading.attitudes import replaced_by
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.wheel_axes import other_mounting
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
 
 
@@ -93,7 +94,7 @@ def assign(document: dict[str, Any], path: str, value: Any) -> None:
     place.pop(key, None)
     if value is None:
         return
-    for other in replaced_by(key):
+    for other in (*replaced_by(key), *other_mounting(key)):
         place.pop(other, None)
     place[key] = value
 

@@ -39,6 +39,8 @@ _TOP = ("name", "title", "source", "system")
 
 WHEEL_KEYS = (
     "axes",
+    "azimuth_deg",
+    "elevation_deg",
     "inertia_kgm2",
     "torque_limit_Nm",
     "speed_limit_rad_s",

@@ -6,6 +6,7 @@ import numpy as np
 
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.vehicle_part import checked, part, rows
+from jaxatt.problems.reading.wheel_axes import read_wheel_axes
 from jaxatt.spacecraft import (
     Magnetorquers,
     ReactionWheels,
@@ -24,7 +25,7 @@ def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
     if "wheels" not in vehicle:
         return None
     table = part(vehicle, "wheels")
-    axes = rows(table, "axes", "wheel")
+    axes = read_wheel_axes(table)
     inertia = table.require("inertia_kgm2", "2.1e-4")
     limit = table.require("torque_limit_Nm", "3e-3")
     return checked(

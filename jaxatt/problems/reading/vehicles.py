@@ -22,6 +22,7 @@ from jaxatt.problems.reading.vehicle_actuators import (
 )
 from jaxatt.problems.reading.vehicle_part import TOML_NAMES, part, split
 from jaxatt.problems.reading.vehicle_power import read_battery, read_loads, read_panels
+from jaxatt.problems.reading.wheel_axes import other_mounting
 from jaxatt.spacecraft import FieldError, Spacecraft, create
 
 
@@ -94,7 +95,9 @@ def whole_vehicle(data: Any, origin: str, folder: Path | None) -> dict[str, Any]
     merged = {**base, **overrides}
     for name in VEHICLE_PARTS:
         if name in base and name in overrides:
-            merged[name] = {**base[name], **overrides[name]}
+            replaced = {old for key in overrides[name] for old in other_mounting(key)}
+            kept = {key: value for key, value in base[name].items() if key not in replaced}
+            merged[name] = {**kept, **overrides[name]}
     return merged
 
 

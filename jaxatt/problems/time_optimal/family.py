@@ -12,14 +12,15 @@ from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
-from jaxatt.problems.sensitive import SensitiveAnswer
+from jaxatt.problems.sensitive import OptimalObjective, SensitiveAnswer
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.effort_path import effort_path
 from jaxatt.problems.time_optimal.phase import build_time_task, time_record
 from jaxatt.problems.time_optimal.reading import TIME_KINDS, read_time_optimal
 from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
-from jaxatt.problems.time_optimal.sensitive import sensitive_turn
+from jaxatt.problems.time_optimal.sensitive import objective_of_turn, sensitive_turn
+from jaxatt.problems.time_optimal.target_search import search_targets
 from jaxatt.problems.time_optimal.targets import answer_targets
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.records.phase import Phase
@@ -88,10 +89,35 @@ class TimeOptimal(Family):
             return None
         return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed, report)
 
+    def measure(self, scenario: Scenario) -> str:
+        return "final_time_s" if scenario.objective.kind == "minimum-time" else "cost"
+
+    def search_targets(
+        self,
+        scenario: Scenario,
+        targets: Floats,
+        near: Sequence[TimeAnswer] | None,
+        report: Report | None,
+    ) -> Sequence[TimeAnswer]:
+        task = build_time_task(scenario)
+        if task.pointing or task.form.speed_limited:
+            return super().search_targets(scenario, targets, near, report)
+        settings, known = scenario.solver, None if near is None else [each.found for each in near]
+        found = search_targets(task, targets, settings.starts, settings.seed, known, report)
+        return [
+            TimeAnswer(task.aiming_at(q), each, None)
+            for q, each in zip(targets, found, strict=True)
+        ]
+
     def sensitive(
         self, scenario: Scenario, start: PhaseStart, found: TimeAnswer
     ) -> SensitiveAnswer:
         return sensitive_turn(scenario, start, found.task, found.found)
+
+    def objective(
+        self, scenario: Scenario, start: PhaseStart, found: TimeAnswer
+    ) -> OptimalObjective:
+        return objective_of_turn(scenario, start, found.task, found.found)
 
 
 def _but_weight(scenario: Scenario) -> Mapping[str, Any]:

@@ -9,16 +9,20 @@ Source: Sensors and Materials 32 (5), 2020, 1671 ff., section 5.
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import numpy.typing as npt
+from jax import Array
 
 from jaxatt.optimize.interior_point.model import Bounded
 from jaxatt.optimize.interior_point.solver import InteriorSolution
+from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal.batch import solve_paths
 from jaxatt.problems.time_optimal.paths import Paths
@@ -101,6 +105,11 @@ def search_free_time(
     return _between_nodes(task, paths, found, report)
 
 
+@functools.partial(jax.jit, static_argnums=0)
+def _final_rows(program: OptimalControlProgram, x: Array, parameters: Any) -> Array:
+    return jax.vmap(program.final_equalities, in_axes=(0, None))(x, parameters)
+
+
 def _substeps_asked(task: ReorientationTask, found: FreeTimeFound) -> int | None:
     """Steps an interval that the best answer needs, where its flight misses for want of them."""
     met = np.flatnonzero((found.violation <= _MET) & np.isfinite(found.cost))
@@ -123,10 +132,8 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     status = np.where(finite, solution.status, int(Status.NOT_FINITE))
     cost = task.cost(torque, step)
     best, minima, share = _ranked(cost, status, verdict)
-    rows = jax.vmap(task.program.final_equalities, in_axes=(0, None))(
-        jnp.asarray(np.nan_to_num(solution.x[:, -1])), task.parameters
-    )
-    turned = np.asarray(rows)[:, :3]
+    ends = jnp.asarray(np.nan_to_num(solution.x[:, -1]))
+    turned = np.asarray(_final_rows(task.program, ends, task.parameters))[:, :3]
     other = np.linalg.norm(paths.reference - task.reference(1.0), axis=1) > _SAME
     return FreeTimeFound(
         np.nan_to_num(solution.u),

@@ -13,21 +13,58 @@ from jax import Array
 from jaxatt.optimize.interior_point.model import Bounded
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.sensitivity.answer import answer_at
+from jaxatt.optimize.sensitivity.envelope import objective_along
 from jaxatt.optimize.sensitivity.optimum import Optimum
 from jaxatt.optimize.sensitivity.staged import StagedConditions, StagedPoint
+from jaxatt.optimize.status import Status
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
-from jaxatt.problems.sensitive import SensitiveAnswer
+from jaxatt.problems.sensitive import OptimalObjective, SensitiveAnswer
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.search import FreeTimeFound
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
+
+Arguments = Callable[[Scenario], ReorientationParameters]
 
 
 def sensitive_turn(
     scenario: Scenario, start: PhaseStart, task: ReorientationTask, found: FreeTimeFound
 ) -> SensitiveAnswer:
-    """The best turn of a search, polished.
+    """The best turn of a search, polished."""
+    conditions, arguments, near = _answered(scenario, start, task, found)
+    # Its own curvature is right to a few per cent, enough for Newton steps but not for derivatives.
+    program = replace(conditions.program, lagrangian_hessian=None)
+    answer = answer_at(StagedConditions(program), arguments(scenario), near)
+    optimum = Optimum(answer, _reader(program))
+    notes: tuple[str, ...] = ()
+    if found.constraint_margin.any():
+        notes = ("Cones and rates stay tightened by what the search tightened them.",)
+    label = "final time" if not scenario.objective.effort_weight else "time and effort"
+    return SensitiveAnswer(optimum, arguments, label, "s", notes)
+
+
+def objective_of_turn(
+    scenario: Scenario, start: PhaseStart, task: ReorientationTask, found: FreeTimeFound
+) -> OptimalObjective:
+    """The objective of the best turn of a search, with the multipliers of its solver.
+
+    Least times are often those of several controls, between which Newton steps cannot decide.
+    """
+    conditions, arguments, near = _answered(scenario, start, task, found)
+    args, best = arguments(scenario), found.best
+    return OptimalObjective(
+        float(found.cost[best]) if found.status[best] == Status.CONVERGED else np.inf,
+        args,
+        arguments,
+        lambda along: np.asarray(objective_along(conditions, near, args, along)),
+    )
+
+
+def _answered(
+    scenario: Scenario, start: PhaseStart, task: ReorientationTask, found: FreeTimeFound
+) -> tuple[StagedConditions, Arguments, StagedPoint]:
+    """Conditions of the best turn of a search, what they depend on, and where the solver ended.
 
     Way round, intervals and steps of the integration stay, and so does what cones and limits were
     tightened by.
@@ -53,15 +90,7 @@ def sensitive_turn(
         jnp.asarray(found.rows[best]),
         Bounded(*(jnp.asarray(leaf[best]) for leaf in found.limits)),
     )
-    # Its own curvature is right to a few per cent, enough for Newton steps but not for derivatives.
-    program = replace(task.program, lagrangian_hessian=None)
-    answer = answer_at(StagedConditions(program), args, near)
-    optimum = Optimum(answer, _reader(program))
-    notes: tuple[str, ...] = ()
-    if found.constraint_margin.any():
-        notes = ("Cones and rates stay tightened by what the search tightened them.",)
-    label = "final time" if not scenario.objective.effort_weight else "time and effort"
-    return SensitiveAnswer(optimum, arguments, label, "s", notes)
+    return StagedConditions(task.program), arguments, near
 
 
 def _parameters(

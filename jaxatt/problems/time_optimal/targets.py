@@ -28,8 +28,7 @@ def answer_targets(
     starts : of every target, drawn as for that target alone.
     """
     count = len(targets)
-    drawn = [starts_of(task.aiming_at(q), starts, seed) for q in targets]
-    paths = Paths(*(np.concatenate(parts) for parts in zip(*drawn, strict=True)))
+    paths = drawn_starts(task, targets, starts, seed)
     solution = solve_paths(task, paths, report=report)
     if report is not None:
         report("flying the answers", 0)
@@ -41,6 +40,12 @@ def answer_targets(
         if not len(rows):
             break
     return TargetAnswers(found.reached, found.numbers, found.flown_torque, found.flown_step)
+
+
+def drawn_starts(task: ReorientationTask, targets: Floats, starts: int, seed: int) -> Paths:
+    """Starts (M starts) of many targets (M, 4), those of a target as for that target alone."""
+    drawn = [starts_of(task.aiming_at(q), starts, seed) for q in targets]
+    return Paths(*(np.concatenate(parts) for parts in zip(*drawn, strict=True)))
 
 
 class _Flown:

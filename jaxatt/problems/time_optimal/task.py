@@ -11,8 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from jaxatt.attitude import errors, mrp, quaternion
+from jaxatt.attitude import errors, mrp
 from jaxatt.environment.table import EnvironmentTable, Surroundings, environment_at, tabulate
+from jaxatt.problems.host_turns import conjugate, product
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.cones import PointingLimits, cone_angles
@@ -222,7 +223,7 @@ class ReorientationTask:
     def _relative(self) -> Floats:
         """Attitude (4,) of the target relative to the start."""
         begin, end = np.asarray(self.initial_state.q_ob), np.asarray(self.target.q_ob)
-        return np.asarray(quaternion.multiply(quaternion.conjugate(begin), end))
+        return product(conjugate(begin), end)
 
     def turn(self, sign: float) -> Floats:
         """MRP (3,) of the target relative to the start, the short (1) or the long way (-1)."""
@@ -236,7 +237,7 @@ class ReorientationTask:
         sigma = self.turn(sign)
         squared = float(sigma @ sigma)
         relative = np.concatenate([[1.0 - squared], 2.0 * sigma]) / (1.0 + squared)
-        end = np.asarray(quaternion.multiply(np.asarray(self.initial_state.q_ob), relative))
+        end = product(np.asarray(self.initial_state.q_ob), relative)
         if self.form.body.attitude == "mrp":
             return np.asarray(mrp.from_quaternion(end, short=False))
         return end

@@ -1,12 +1,14 @@
-"""The best design that was found, and the way to it."""
+"""The best design that was found, and the way to it: printed, drawn, saved."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from rich import box
 from rich.table import Table
 from rich.text import Text
@@ -18,117 +20,148 @@ from jaxatt.report.result import Result
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
-from jaxatt.studies.design.study import Design
+from jaxatt.studies.design.evaluate import Evaluation
+from jaxatt.studies.design.study import WORST, DesignStudy
+
+AGREED = 1e-3
+"""Relative difference up to which the independent solve confirms the measure."""
 
 
 @dataclass(frozen=True, eq=False)
-class Evaluation:
-    """Numbers that were tried.
+class Flown:
+    """What an independent solve of the design and its flights say.
 
-    values : (d,).  objectives : (cases,), of the answers.  slopes : (cases, d), their derivatives
-    by the numbers as shares of the ranges.
+    measured, reached : (M,).  result : of the solve, where there is one target.
     """
 
-    values: Floats
-    objectives: Floats
-    slopes: Floats
+    measured: Floats
+    reached: npt.NDArray[np.bool_]
+    result: Result | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DesignResult:
+class Design:
     """The best design of a study.
 
-    tried : all evaluations in order.  best : one of them.  flown : the solved and flown cases of
-    the best.  settled : whether the descent ended where nothing improves.
+    tried : all designs in their order.  best : the last of them, see `Evaluation`.
+    flown : its answers, found again independently and flown.
     """
 
-    design: Design
-    tried: tuple[Evaluation, ...]
+    study: DesignStudy
+    tried: Sequence[Evaluation]
     best: Evaluation
-    flown: tuple[Result, ...]
-    settled: bool
+    flown: Flown
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The chosen numbers by their names."""
+        return dict(zip(self.study.names, self.best.values.tolist(), strict=True))
+
+    @property
+    def measured(self) -> float:
+        """Mean or worst of the measure over the targets."""
+        return self.study.over_targets(self.best.measured)
 
     @property
     def reached(self) -> bool:
-        """Whether the flights of all cases of the best design reach, within `at_most`."""
-        most = self.design.at_most
-        kept = most is None or bool((self.best.objectives <= most * (1.0 + 1e-5)).all())
-        return kept and all(phase.reached for result in self.flown for phase in result.phases)
+        """Whether all flights reach, with what was promised of the measure."""
+        flown = self.study.over_targets(self.flown.measured)
+        return bool(self.flown.reached.all()) and flown <= self.measured * (1.0 + AGREED)
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain numbers under stable names, ready for JSON."""
-        d = self.design
+        s = self.study
         return {
-            "name": d.name,
-            "title": d.title,
-            "scenario": d.scenario.name,
-            "minimise": d.minimise,
-            "at_most": d.at_most,
-            "starts": d.scenario.solver.starts,
-            "seed": d.scenario.solver.seed,
-            "fields": list(d.fields),
-            "from": d.lower,
-            "to": d.upper,
-            "cases": [dict(case) for case in d.cases],
-            "best": self.best.values,
-            "objectives": self.best.objectives,
-            "reached": self.reached,
-            "settled": self.settled,
-            "tried": [{"values": e.values, "objectives": e.objectives} for e in self.tried],
+            "design": s.name,
+            "title": s.title,
+            "scenario": s.scenario.name,
+            "minimise": s.measure if s.minimised is None else s.names[s.minimised],
+            "at_most": {} if s.at_most is None else {s.measure: s.at_most},
+            "over": s.over,
+            "targets": s.targets,
+            "starts": s.scenario.solver.starts,
+            "seed": s.scenario.solver.seed,
+            "values": self.values,
+            s.measure: {
+                "mean": float(self.best.measured.mean()),
+                "worst": float(self.best.measured.max()),
+                "of_each_target": self.best.measured,
+                "flown": self.flown.measured,
+            },
+            "reached": self.flown.reached,
+            "confirmed": self.reached,
+            "tried": [
+                {
+                    "values": dict(zip(s.names, e.values.tolist(), strict=True)),
+                    s.measure: s.over_targets(e.measured),
+                    "from_own_starts": e.fresh,
+                }
+                for e in self.tried
+            ],
         }
 
     def table(self) -> Table:
-        """Return a rich table with one row a number."""
-        d, first = self.design, self.tried[0]
+        """Return a table with one row a number."""
+        s = self.study
         table = Table(
-            title=Text(d.title, style="bold"),
-            caption=Text(self._caption()),
+            title=Text(s.title, style="bold"),
+            caption=Text("\n".join(self._sentences())),
             box=box.SIMPLE_HEAD,
             title_justify="left",
             caption_justify="left",
         )
         table.add_column("number")
-        for name in ("from", "to", "first", "best"):
+        for name in ("chosen", "from", "to"):
             table.add_column(name, justify="right")
-        for k, field in enumerate(d.fields):
-            numbers = (d.lower[k], d.upper[k], first.values[k], self.best.values[k])
-            table.add_row(Text(field), *(f"{value:.6g}" for value in numbers))
+        for variable, value in zip(s.variables, self.best.values, strict=True):
+            low, high = variable.range.low, variable.range.high
+            table.add_row(Text(variable.name), f"{value:.6g}", f"{low:.6g}", f"{high:.6g}")
         return table
 
-    def _caption(self) -> str:
-        first, best = self.tried[0].objectives, self.best.objectives
-        lines = [
-            f"Objective over {len(best)} cases: mean {best.mean():.6g}, worst {best.max():.6g}; "
-            f"first {first.mean():.6g} and {first.max():.6g}.",
-            f"{len(self.tried)} designs tried; the cases of the best were solved and flown again: "
-            + ("all reach." if self.reached else "not all reach what was asked."),
+    def _sentences(self) -> list[str]:
+        s, count = self.study, len(self.study.targets)
+        limit = "" if s.at_most is None else f", at most {s.at_most:.6g} is allowed"
+        told = f"{s.measure} {self.measured:.6g}{limit}."
+        if count > 1:
+            told = (
+                f"{s.measure} over {count} targets: mean {self.best.measured.mean():.6g}, worst "
+                f"{self.best.measured.max():.6g}{limit} ({s.over})."
+            )
+        flown = s.over_targets(self.flown.measured)
+        return [
+            told,
+            f"{len(self.tried)} designs tried; solved again with another seed: {flown:.6g}, "
+            f"{int(self.flown.reached.sum())} of {count} reached when flown.",
         ]
-        if not self.settled:
-            lines.append("The descent ended before it settled; allow it more evaluations.")
-        return "\n".join(lines)
 
     def plot(self) -> Picture:
-        """Plot objectives and numbers over the designs that were tried."""
-        d = self.design
-        figure = picture(7.0, 5.0, d.title)
-        above, below = figure.subplots(2, 1, sharex=True)
+        """Plot what was measured, and the numbers, over the designs in their order."""
+        s = self.study
+        made = picture(7.0, 5.2, s.title)
+        above, below = made.subplots(2, 1, sharex=True)
         at = np.arange(1, len(self.tried) + 1)
-        costs = np.array([e.objectives for e in self.tried])
-        above.plot(at, costs.mean(axis=1), "o-", color=colour(0), label="mean objective")
-        if costs.shape[1] > 1:
-            above.plot(at, costs.max(axis=1), "s-", color=colour(1), label="worst objective")
-        if d.at_most is not None:
-            above.axhline(d.at_most, color="#000000", linestyle="--", label="at most")
-        span = d.upper - d.lower
-        for k, field in enumerate(d.fields):
-            shares = [(e.values[k] - d.lower[k]) / span[k] for e in self.tried]
-            below.plot(at, shares, "o-", color=colour(k), label=field)
+        measured = np.array([e.measured for e in self.tried])
+        fresh = np.array([e.fresh for e in self.tried])
+        folded = measured.max(axis=1) if s.over == WORST else measured.mean(axis=1)
+        if measured.shape[1] > 1:
+            low, high = measured.min(axis=1), measured.max(axis=1)
+            above.fill_between(at, low, high, color=colour(5), alpha=0.3, label="all targets")
+        above.plot(at, folded, "-", color=colour(0), lw=1.0)
+        above.plot(at[fresh], folded[fresh], "o", color=colour(0), label="from its own starts")
+        above.plot(at[~fresh], folded[~fresh], ".", color=colour(0), label="from the one before")
+        if s.at_most is not None:
+            above.axhline(s.at_most, color="#000000", ls="--", lw=0.8, label="at most")
+        above.set_ylabel(s.measure)
+        shares = np.array([e.shares for e in self.tried])
+        for d, name in enumerate(s.names):
+            below.plot(at, shares[:, d], ".-", color=colour(d), lw=1.0, label=name)
+        below.set_ylim(-0.05, 1.05)
         below.set_ylabel("share of the range")
-        below.set_xlabel("design tried")
+        below.set_xlabel("design")
         for axes in (above, below):
             tidy(axes)
-            axes.legend(fontsize=8)
-        return figure
+            axes.legend(fontsize=8, frameon=False)
+        return made
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write design.json and design.png into a folder; return the files."""
@@ -138,11 +171,12 @@ class DesignResult:
         return [Path(folder) / f"design.{kind}" for kind in ("json", "png")]
 
     def __repr__(self) -> str:
-        named = ", ".join(
-            f"{field} = {value:.6g}"
-            for field, value in zip(self.design.fields, self.best.values, strict=True)
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in self.values.items())
+        state = "confirmed" if self.reached else "not confirmed"
+        return (
+            f"Design({self.study.name}: {values}; {self.study.measure} {self.measured:.6g}, "
+            f"{len(self.tried)} designs tried, {state})"
         )
-        return f"DesignResult({self.design.name}: {named})"
 
     def __str__(self) -> str:
         return as_text(self.table())

@@ -116,7 +116,7 @@ def _derivative(
             ends.append(arguments(other))
         except ScenarioError as error:
             return f"cannot be changed a little: {error}"
-    return _difference(ends[0], ends[1], 2.0 * step, base)
+    return difference(ends[0], ends[1], 2.0 * step, base)
 
 
 def _moved_together(group: tuple[Place, ...]) -> tuple[Place, ...]:
@@ -129,7 +129,8 @@ def _moved_together(group: tuple[Place, ...]) -> tuple[Place, ...]:
     return group + tuple(place for place in mirrored if place not in group)
 
 
-def _difference(ahead: Any, behind: Any, width: float, base: Any) -> Any:
+def difference(ahead: Any, behind: Any, width: float, base: Any) -> Any:
+    """Slope of arguments between two that are `width` apart, or a sentence why there is none."""
     moved = False
     leaves = []
     if {jax.tree.structure(tree) for tree in (ahead, behind)} != {jax.tree.structure(base)}:

@@ -31,7 +31,7 @@ def is_study(name_or_path: str | Path) -> bool:
     kind = scenarios.kind_of(str(name_or_path))
     if kind is not None:
         return kind == "study"
-    return bool({"vary", "sampling"} & set(_document(name_or_path)))
+    return bool({"vary", "sampling"} & set(read_study_file(name_or_path, "study", "manoeuvre")))
 
 
 def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Study:
@@ -43,13 +43,15 @@ def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
     if scenarios.kind_of(name) == "study":
         origin = f"{name}.toml"
         return read_study(parse(scenarios.text(name), origin), origin, None, changes)
-    return read_study(_document(name_or_path), name, Path(name_or_path).parent, changes)
+    document = read_study_file(name_or_path, "study", "manoeuvre")
+    return read_study(document, name, Path(name_or_path).parent, changes)
 
 
-def _document(name_or_path: str | Path) -> dict[str, Any]:
+def read_study_file(name_or_path: str | Path, *kinds: str) -> dict[str, Any]:
+    """Document of a study's file; where there is none, near names of these kinds are suggested."""
     path = Path(name_or_path)
     if path.suffix != ".toml" and not os.path.isfile(path):
-        hint = suggestion(str(name_or_path), "study", "manoeuvre")
+        hint = suggestion(str(name_or_path), *kinds)
         raise ScenarioError(f"{name_or_path}: neither a bundled study nor a file; {hint}")
     return read_file(path)
 
@@ -67,10 +69,7 @@ def read_study(
     plain = plain_values(document)
     top = Table(plain, origin, "", _TOP)
     name = read_name(top)
-    fixed = {**dict(_flat(plain.get("fixed", {}), "", origin)), **(changes or {})}
-    scenario = _scenario(top.text("scenario", " ").strip(), top, folder)
-    if fixed:
-        scenario = scenarios.replace(scenario, fixed)
+    scenario, fixed = read_base(top, folder, changes)
     whole = whole_document(scenario)
 
     sampling = Table(plain.get("sampling", {}), origin, "[sampling]", _SAMPLING)
@@ -79,9 +78,10 @@ def read_study(
     if not isinstance(entries, list) or not entries:
         top.fail("vary", "is no list of tables", "write one [[vary]] for every swept number")
     varied = [
-        read_varied(entry, k, origin, method, scenario, whole) for k, entry in enumerate(entries)
+        read_varied(entry, k, origin, "vary", method, scenario, whole)
+        for k, entry in enumerate(entries)
     ]
-    check_apart(varied, origin)
+    check_apart(varied, origin, "vary")
     values, remarks = _samples(sampling, method, [v.range for v in varied])
     # A few hundred chunks: little is lost with a chunk, and few files are made.
     chunk = top.integer("chunk", max(1, min(256, -(-len(values) // 256))), at_most=MOST)
@@ -119,6 +119,15 @@ def _samples(table: Table, method: str, ranges: Sequence[Range]) -> tuple[Floats
         return grid(ranges), ()
     except ScenarioError as error:
         raise ScenarioError(f"{table.origin}: {error}") from None
+
+
+def read_base(
+    top: Table, folder: Path | None, changes: Mapping[str, Any] | None
+) -> tuple[scenarios.Scenario, dict[str, Any]]:
+    """The scenario that a study begins with, changed by [fixed], and these changes."""
+    fixed = {**dict(_flat(top.data.get("fixed", {}), "", top.origin)), **(changes or {})}
+    scenario = _scenario(top.text("scenario", " ").strip(), top, folder)
+    return (scenarios.replace(scenario, fixed) if fixed else scenario), fixed
 
 
 def _scenario(name: str, top: Table, folder: Path | None) -> scenarios.Scenario:

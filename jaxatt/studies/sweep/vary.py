@@ -21,15 +21,17 @@ def read_varied(
     data: Any,
     index: int,
     origin: str,
+    kind: str,
     method: str,
     scenario: Scenario,
     whole: Mapping[str, Any],
 ) -> Varied:
-    """Read one [[vary]] table, the one of this index.
+    """Read one table of a study, the one of this index.
 
-    method : of the samples.  whole : document of the scenario, its vehicle written out.
+    kind : name of such tables, "vary" or "design".  method : of the samples.
+    whole : document of the scenario, its vehicle written out.
     """
-    table = Table(data, origin, f"[[vary]] {index + 1}", _KEYS)
+    table = Table(data, origin, f"[[{kind}]] {index + 1}", _KEYS)
     given = table.require("field", '"vehicle.wheels.torque_limit_Nm"')
     fields = given if isinstance(given, list) else [given]
     if not fields or not all(isinstance(field, str) for field in fields):
@@ -49,19 +51,19 @@ def read_varied(
     return Varied(name, tuple(fields), tuple(found), change, _range(table, method))
 
 
-def check_apart(varied: Sequence[Varied], origin: str) -> None:
+def check_apart(varied: Sequence[Varied], origin: str, kind: str) -> None:
     """Refuse quantities that share a name, or set one number twice, with `ScenarioError`."""
     names = [v.name for v in varied]
     for k, one in enumerate(varied):
         if one.name in names[:k]:
             raise ScenarioError(
-                f"{origin}: [[vary]] {k + 1} name = {one.name}: is the name of another one; give "
+                f"{origin}: [[{kind}]] {k + 1} name = {one.name}: is the name of another one; give "
                 'it a name of its own with name = "..."'
             )
         for other in varied[:k]:
             if one.change == other.change == "set" and set(one.places) & set(other.places):
                 raise ScenarioError(
-                    f"{origin}: [[vary]] {k + 1} field = {one.fields[0]}: is set by "
+                    f"{origin}: [[{kind}]] {k + 1} field = {one.fields[0]}: is set by "
                     f"{other.name} already; drop one of them"
                 )
 
