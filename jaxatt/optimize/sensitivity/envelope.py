@@ -1,9 +1,9 @@
 """Derivatives of an optimal objective by parameters, from the multipliers that a solver ended with.
 
 They are those of the Lagrangian at fixed variables and multipliers (envelope theorem).  No KKT
-matrix is solved, so that they exist where an answer itself has no derivative: where several controls
-are equally good, or where limits that hold depend on each other.  They are as exact as the answer is
-stationary.
+matrix is solved, so that they exist where an answer itself has no derivative: where several
+controls are equally good, or where limits that hold depend on each other.  They are as exact as
+the answer is stationary.
 
 Source: Fiacco (1983), "Introduction to sensitivity and stability analysis in nonlinear
 programming", section 3.

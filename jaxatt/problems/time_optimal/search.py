@@ -38,6 +38,8 @@ _SAME = 1e-4
 _MOST_REFINEMENTS = 2
 _MET = 1e-6
 """Violation of the programme up to which what a flight misses is the error of its steps."""
+_STATIONARY = 1e-4
+"""Scaled stationarity of an answer whose derivatives are used, if the solver's own is not met."""
 _LEFT = 0.1
 """Of the tolerances, what more steps are to leave of that error."""
 _MOST_MORE = 8.0
@@ -86,6 +88,12 @@ class FreeTimeFound:
     def reached(self) -> npt.NDArray[np.bool_]:
         """Whether the flight of each start reached the target, (S,)."""
         return self.verdict.reached
+
+    @property
+    def answered(self) -> bool:
+        """Whether the best meets its constraints and is stationary, to what a derivative needs."""
+        met, rest = self.violation[self.best], self.stationarity[self.best]
+        return bool(np.isfinite(self.cost[self.best]) and met <= _MET and rest <= _STATIONARY)
 
 
 def search_free_time(

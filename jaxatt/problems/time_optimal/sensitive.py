@@ -16,7 +16,6 @@ from jaxatt.optimize.sensitivity.answer import answer_at
 from jaxatt.optimize.sensitivity.envelope import objective_along
 from jaxatt.optimize.sensitivity.optimum import Optimum
 from jaxatt.optimize.sensitivity.staged import StagedConditions, StagedPoint
-from jaxatt.optimize.status import Status
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
@@ -54,7 +53,7 @@ def objective_of_turn(
     conditions, arguments, near = _answered(scenario, start, task, found)
     args, best = arguments(scenario), found.best
     return OptimalObjective(
-        float(found.cost[best]) if found.status[best] == Status.CONVERGED else np.inf,
+        float(found.cost[best]) if found.answered else np.inf,
         args,
         arguments,
         lambda along: np.asarray(objective_along(conditions, near, args, along)),

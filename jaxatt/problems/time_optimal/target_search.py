@@ -9,7 +9,6 @@ import numpy as np
 
 from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.solver import InteriorSettings
-from jaxatt.optimize.status import Status
 from jaxatt.problems.time_optimal.batch import solve_paths
 from jaxatt.problems.time_optimal.paths import Paths
 from jaxatt.problems.time_optimal.search import FreeTimeFound, evaluate
@@ -39,7 +38,7 @@ def search_targets(
         paths = drawn_starts(task, targets, starts, seed)
         return _solved(task, targets, paths, None, rows, report)
     found = _solved(task, targets, _from_answers(task, targets, near), _WARM, rows, report)
-    lost = [k for k, one in enumerate(found) if one.status[one.best] != Status.CONVERGED]
+    lost = [k for k, one in enumerate(found) if not one.answered]
     if lost:
         again = drawn_starts(task, targets[lost], starts, seed)
         fresh = _solved(task, targets[lost], again, None, rows, report)
