@@ -57,5 +57,5 @@ def test_both_forms_at_once_are_refused() -> None:
     document = dict(mounted(azimuth_deg=PYRAMID, elevation_deg=35.0).document)
     wheels = {**document["vehicle"]["wheels"], "axes": np.eye(3).tolist()}
     vehicle = {**document["vehicle"], "wheels": wheels}
-    with pytest.raises(scenarios.ScenarioError, match="azimuth_deg = .*: given beside axes"):
+    with pytest.raises(scenarios.ScenarioError, match=r"azimuth_deg = .*: given beside axes"):
         scenarios.from_mapping({**document, "vehicle": vehicle})
