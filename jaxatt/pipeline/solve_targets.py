@@ -27,17 +27,20 @@ CHECKED = (
 
 
 def solve_targets(
-    scenario: Scenario, targets: Floats, report: Report | None = None
+    scenario: Scenario,
+    targets: Floats,
+    report: Report | None = None,
+    names: Sequence[str] | None = None,
 ) -> TargetAnswers:
     """Find the best answer of a scenario to each of many targets, and fly it again.
 
     targets : (M, 4), in place of the scenario's own q_ob; what else it asks for stays.
     report : called by the host with (stage, starts ended) between chunks of work.
-
-    Returns the numbers that the family maps and `CHECKED`; not a number where there is none.
+    names : of the numbers that are returned beside `CHECKED`; those that the family maps by
+    default.  They are not a number where there is none.
     """
     family = family_of(scenario)
-    names = (*family.mapped, *CHECKED)
+    names = (*(family.mapped if names is None else names), *CHECKED)
     with np.errstate(over="ignore", invalid="ignore"):
         found = family.answer_targets(scenario, targets, report)
     if found is None:

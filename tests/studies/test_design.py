@@ -30,6 +30,7 @@ MOUNTING = [
     {"field": "vehicle.wheels.azimuth_deg.3", "from": -90.0, "to": 90.0},
     {"field": "vehicle.wheels.elevation_deg.3", "from": -90.0, "to": 90.0},
 ]
+WHEELS = {"azimuth_deg": [0.0, 90.0, 0.0, 50.0], "elevation_deg": [0.0, 0.0, 90.0, 30.0]}
 TURNS = [
     {"attitude_deg": [float(x) for x in RNG.uniform(20.0, 90.0, 3) * RNG.choice([-1.0, 1.0], 3)]}
     for _ in range(3)
@@ -44,12 +45,7 @@ def study(design, **changes):
             "objective": {"kind": "minimum-time"},
             "solver": {"starts": 4},
             "horizon": {"intervals": 12, "substeps": 4},
-            "vehicle": {
-                "wheels": {
-                    "azimuth_deg": [0.0, 90.0, 0.0, 50.0],
-                    "elevation_deg": [0.0, 0.0, 90.0, 30.0],
-                }
-            },
+            "vehicle": {"wheels": WHEELS},
         },
         "design": design,
         **changes,
@@ -152,6 +148,29 @@ def test_a_limit_over_many_targets_is_met_exactly(over: str) -> None:
     folded = times.max() if over == "worst" else times.mean()
     assert found.values["torque_limit_Nm"] == pytest.approx(other * (folded / most) ** 2, rel=1e-4)
     assert found.flown.reached.all() and len(found.flown.reached) == 3
+
+
+def test_time_and_effort_are_measured_together() -> None:
+    found = design(
+        study(
+            MOUNTING[1:],
+            fixed={
+                "objective": {"effort_weight": float(RNG.uniform(0.05, 0.5))},
+                "solver": {"starts": 4},
+                "horizon": {"intervals": 12, "substeps": 4},
+                "vehicle": {"wheels": WHEELS},
+            },
+            targets=TURNS,
+            over="mean",
+            points=2,
+        )
+    )
+    assert found.study.measure == "cost" and found.reached
+    first = min(found.study.over_targets(e.measured) for e in found.tried[:2])
+    assert found.measured < first
+    inside = (found.best.shares > 1e-6) & (found.best.shares < 1.0 - 1e-6)
+    slope = found.best.slopes.mean(axis=0)[inside]
+    assert np.abs(slope).max(initial=0.0) < 2e-3 * found.measured
 
 
 def test_no_design_nearby_has_a_smaller_worst_time() -> None:

@@ -93,7 +93,7 @@ def _flown(study: DesignStudy, best: Evaluation) -> Flown:
     scenario = study.scenario_at(best.shares)
     scenario = replace(scenario, {"solver.seed": (scenario.solver.seed + 1) % 2**31})
     if len(study.targets) > 1:
-        found = solve_targets(scenario, study.targets)
+        found = solve_targets(scenario, study.targets, names=(study.measure,))
         return Flown(found.numbers[study.measure], found.reached)
     result = solve(scenario.aiming_at(study.targets[0]))
     measured = number_at(result.summary(), study.measure)
