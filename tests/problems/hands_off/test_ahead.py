@@ -54,7 +54,7 @@ def test_a_kept_program_of_a_search_gives_the_same_bits(task, compiled, tmp_path
     u = 0.01 * np.random.default_rng(5).normal(size=(8, task.intervals, task.size))
     lanes = broadcast_lanes(u, free, task.arguments.row_weight, np.ones(8))
     solver = CondensedReweighting(Reweighting())
-    args = driver.Job(form, False), lanes, count_arguments(task), solver
+    args = driver.Job(form, False, None), lanes, count_arguments(task), solver
     found = []
     before = jax.config.values["jax_compilation_cache_dir"]
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
