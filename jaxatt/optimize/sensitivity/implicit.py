@@ -20,6 +20,8 @@ from jax.flatten_util import ravel_pytree
 from jaxatt.optimize.sensitivity.conditions import Conditions, gradient
 
 _MOST_PASSES = 25
+_MOST_STALLS = 3
+"""Passes in a row that may leave a larger residual: a step may do so before the next gains on it."""
 _ROUNDING = 1e-16
 """Residual at which there is nothing left to improve; rounding mostly ends it before."""
 
@@ -64,13 +66,13 @@ class Settled(NamedTuple):
 
 
 def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settled:
-    """Take Newton steps on the conditions for as long as they reduce the residual."""
+    """Take Newton steps on the conditions for as long as they reduce the residual, or soon do."""
 
     def going(state: tuple[Any, ...]) -> Array:
         return state[-1]
 
     def onward(state: tuple[Any, ...]) -> tuple[Any, ...]:
-        kept, size, point, passes, _ = state
+        kept, size, point, passes, stalls, _ = state
         system = conditions.system(point, args)
         found = conditions.residual(system, point, active)
         left = size_of(found)
@@ -78,13 +80,15 @@ def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settle
         kept = jax.tree.map(lambda a, b: jnp.where(better, a, b), point, kept)
         rounding = left <= _ROUNDING
         step = conditions.solve(system, active, jax.tree.map(jnp.negative, found))
-        goes_on = better & ~rounding & (passes < _MOST_PASSES)
+        stalls = jnp.where(better, 0, stalls + 1)
+        goes_on = (stalls <= _MOST_STALLS) & ~rounding & (passes < _MOST_PASSES)
         size = jnp.where(better, left, size)
-        return kept, size, conditions.moved(point, step), passes + goes_on, goes_on
+        return kept, size, conditions.moved(point, step), passes + goes_on, stalls, goes_on
 
     infinite = jnp.asarray(jnp.inf)
-    start = (point, infinite, point, jnp.zeros((), int), jnp.asarray(True))
-    kept, size, _, passes, _ = lax.while_loop(going, onward, start)
+    none = jnp.zeros((), int)
+    start = (point, infinite, point, none, none, jnp.asarray(True))
+    kept, size, _, passes, _, _ = lax.while_loop(going, onward, start)
     return Settled(kept, size, passes)
 
 
