@@ -19,7 +19,7 @@ from jaxatt.studies.design.design import design
 from jaxatt.studies.design.evaluate import Evaluator
 from jaxatt.studies.design.reading import load_design, read_design
 
-RNG = np.random.default_rng()
+RNG = np.random.default_rng(1129)
 TORQUE = {
     "field": "vehicle.wheels.torque_limit_Nm.*",
     "from": 0.05,

@@ -58,7 +58,10 @@ def step_of(
 
 
 class Settled(NamedTuple):
-    """A point after Newton steps.  residual : (), of the conditions.  passes : () taken."""
+    """A point after Newton steps.
+
+    residual : (), of the conditions.  passes : (), those that reduced it.
+    """
 
     point: Any
     residual: Array
@@ -82,8 +85,9 @@ def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settle
         step = conditions.solve(system, active, jax.tree.map(jnp.negative, found))
         stalls = jnp.where(better, 0, stalls + 1)
         goes_on = (stalls <= _MOST_STALLS) & ~rounding & (passes < _MOST_PASSES)
+        gains = goes_on & better
         size = jnp.where(better, left, size)
-        return kept, size, conditions.moved(point, step), passes + goes_on, stalls, goes_on
+        return kept, size, conditions.moved(point, step), passes + gains, stalls, goes_on
 
     infinite = jnp.asarray(jnp.inf)
     none = jnp.zeros((), int)
