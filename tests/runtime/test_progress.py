@@ -11,7 +11,7 @@ from jaxatt.runtime.progress import SAMPLES, Reporter
 
 
 def test_time_left_follows_the_pace_after_the_first_sample(monkeypatch, capsys) -> None:
-    rng = np.random.default_rng()
+    rng = np.random.default_rng(1129)
     each, total, before = rng.uniform(3.0, 50.0), 40, 10
     now = [1000.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])

@@ -7,7 +7,7 @@ import pytest
 
 from jaxatt import scenarios
 
-RNG = np.random.default_rng()
+RNG = np.random.default_rng(1129)
 PYRAMID = [45.0, 135.0, 225.0, 315.0]
 
 

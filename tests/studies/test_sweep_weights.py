@@ -16,7 +16,7 @@ FEW = {"solver.starts": 4, "horizon.intervals": 12}
 
 @pytest.fixture(scope="module")
 def weights() -> np.ndarray:
-    return np.exp(np.random.default_rng().uniform(np.log(1e-3), np.log(1.0), 3))
+    return np.exp(np.random.default_rng(1129).uniform(np.log(1e-3), np.log(1.0), 3))
 
 
 @pytest.mark.slow
