@@ -21,7 +21,7 @@ from jaxatt.optimize.sensitivity.conditions import Conditions, gradient
 
 _MOST_PASSES = 25
 _MOST_STALLS = 3
-"""Passes in a row that may leave a larger residual: a step may do so before the next gains on it."""
+"""Passes in a row that may leave a larger residual, which the next step may make up for."""
 _ROUNDING = 1e-16
 """Residual at which there is nothing left to improve; rounding mostly ends it before."""
 

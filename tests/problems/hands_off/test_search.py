@@ -11,7 +11,7 @@ from jaxatt.multistart.driver import run_starts
 from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.search.batch import Form, Lanes, broadcast_lanes
+from jaxatt.problems.hands_off.search.batch import Form, broadcast_lanes
 from jaxatt.problems.hands_off.search.candidates import (
     Candidates,
     better,

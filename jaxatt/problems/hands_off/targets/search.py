@@ -2,8 +2,8 @@
 
 1. Two intervals, far apart first, decide nearly all targets that no torque limit stands in the way
    of: six rows have six unknowns, and torque early and late has the longest lever.
-2. The others get bursts at both ends, of the least length that reaches, by bisection for all at
-   once; then one interval fewer, with one between.
+2. The others get bursts at both ends, longer and longer until one reaches; then one interval fewer,
+   with one between.
 3. For those that still take more than two, supports are decided from random starts, too.
 """
 
@@ -63,7 +63,7 @@ def search_targets(
     left = np.flatnonzero(~best.verdict.reached)
     if len(left):
         bursts = _bursts(task.pick(left), method("trying bursts at both ends"))
-        best = _better_of(best, left, bursts)
+        best = best if bursts is None else _better_of(best, left, bursts)
     left = np.flatnonzero(~best.verdict.reached | (best.rank[:, 1] > _PAIR))
     if len(left) and starts:
         deciding = method("deciding which intervals are active")
@@ -77,14 +77,14 @@ def _pairs(task: SlewTask, method: Method) -> Candidates:
     Close pairs are for targets so near that far ones take less torque than counts as active.
     """
     allowed = np.flatnonzero((np.asarray(task.arguments.free) > 0).any(axis=1))
-    first, count = allowed[0], _count(task)
+    count = _count(task)
     u = np.zeros((count, task.intervals, task.size))
     way, least = np.ones(count), np.full(count, np.inf)
     place = len(allowed) - 1
     while place > 0:
         rows = np.flatnonzero(~np.isfinite(least))
         support = np.zeros((1, task.intervals, 1), bool)
-        support[0, [first, allowed[place]]] = True
+        support[0, allowed[[0, place]]] = True
         for sign in task.ways if len(rows) else ():
             found, effort = _settled(task.pick(rows), support, sign, method)
             better = effort < least[rows]
@@ -112,10 +112,10 @@ def _settled(task: SlewTask, support: Mask, sign: float, method: Method) -> tupl
     return u, np.where(arrived, task.l1_effort(controls), np.inf)
 
 
-def _bursts(task: SlewTask, method: Method) -> Candidates:
+def _bursts(task: SlewTask, method: Method) -> Candidates | None:
     """Answers with bursts at both ends, and those with one interval fewer and one between.
 
-    Of increasing length: one that is longer than it must be has much freedom, and is harder to
+    None where no more than two intervals may be active.  Of increasing length: one that is longer than it must be has much freedom, and is harder to
     find.
     """
     allowed = int((np.asarray(task.arguments.free) > 0).any(axis=1).sum())
@@ -127,7 +127,8 @@ def _bursts(task: SlewTask, method: Method) -> Candidates:
         found = tried if found is None else _better_of(found, left, tried)
         left = left[~tried.verdict.reached]
         size += max(1, size // 8)
-    assert found is not None
+    if found is None:
+        return None
     fewer = [supports_between(task, support_of(task, u)) for u in found.controls]
     rows = np.flatnonzero([len(f) > 0 for f in fewer] & found.verdict.reached)
     if not len(rows):
