@@ -115,8 +115,8 @@ def _settled(task: SlewTask, support: Mask, sign: float, method: Method) -> tupl
 def _bursts(task: SlewTask, method: Method) -> Candidates | None:
     """Answers with bursts at both ends, and those with one interval fewer and one between.
 
-    None where no more than two intervals may be active.  Of increasing length: one that is longer than it must be has much freedom, and is harder to
-    find.
+    None where no more than two intervals may be active.  Bursts are made longer step by step: one
+    that is longer than it must be has much freedom, and is harder to find.
     """
     allowed = int((np.asarray(task.arguments.free) > 0).any(axis=1).sum())
     count, size = _count(task), _PAIR + 1
