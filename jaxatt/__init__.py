@@ -23,7 +23,6 @@ from jaxatt.studies.attitude_map.map import AttitudeMap, attitude_map
 from jaxatt.studies.compare import compare
 from jaxatt.studies.design.design import design
 from jaxatt.studies.design.result import Design
-from jaxatt.studies.effort_sweep import EffortSweep, sweep_effort
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
 from jaxatt.studies.pareto import pareto
 from jaxatt.studies.pareto_front import ParetoFront
@@ -39,7 +38,6 @@ __all__ = [
     "AttitudeMap",
     "Certificate",
     "Design",
-    "EffortSweep",
     "FlightComparison",
     "FlightResult",
     "Leg",
@@ -74,6 +72,5 @@ __all__ = [
     "solve",
     "solve_program",
     "sweep",
-    "sweep_effort",
     "transcribe",
 ]

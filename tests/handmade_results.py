@@ -206,6 +206,7 @@ def timed(case: str | scenarios.Scenario = "mrp-k4", step: float = 0.7) -> Resul
             actuators=tuple(f"wheel {i + 1}" for i in range(wheels))
             + tuple(f"thruster {i + 1}" for i in range(vehicle.thrusters.count)),
             switch_times=switch_times(torque, step * np.arange(count + 1.0), -limit, limit),
+            torque_share=float((np.abs(torque) / limit).max()),
             violation=1e-10,
             stationarity=1e-8,
             minima=3,

@@ -7,21 +7,13 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import (
-    INTERRUPTED,
-    NOT_REACHED,
-    clean_exit,
-    complain,
-    finish,
-    prepare_jax,
-    say,
-)
+from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, prepare_jax
 from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts, Task, read_share
+from jaxatt.cli.stored import grown
 from jaxatt.report.store.names import store_name
 from jaxatt.runtime.files import prepare_folder
-from jaxatt.runtime.progress import Reporter
-from jaxatt.studies.attitude_map.map import attitude_map, prepared_scenario
-from jaxatt.studies.attitude_map.targets import map_targets
+from jaxatt.studies.attitude_map.map import solve_map
+from jaxatt.studies.attitude_map.study import map_study
 
 
 def map_(
@@ -43,32 +35,14 @@ def map_(
     """
     with clean_exit():
         share = read_share(task)
-        scenario = prepared_scenario(case, objective, starts, seed)
-        map_targets(scenario, targets)
-        folder = prepare_folder(out or Path("results") / f"{scenario.name}-map")
-        path = folder / store_name(f"{scenario.name}-map", share)
+        study = map_study(case, targets, objective, starts, seed)
+        folder = prepare_folder(out or Path("results") / study.name)
+        path = folder / store_name(study.name, share)
         prepare_jax(compile_cache)
-        try:
-            with Reporter(targets, quiet) as report:
-                found = attitude_map(
-                    case,
-                    targets,
-                    path,
-                    objective=objective,
-                    starts=starts,
-                    seed=seed,
-                    share=share,
-                    report=report,
-                )
-        except KeyboardInterrupt:
-            complain(
-                f"Interrupted; what is done stays in {path}, and the same command goes on from it."
-            )
-            raise typer.Exit(INTERRUPTED) from None
-        if share != (0, 1):
-            say(f"Task {task}: {found!r}; jaxatt merge joins the stores of all tasks")
-        else:
-            finish(repr(found), [path, *found.save(folder)], folder, quiet, found.table())
+        count = study.layout().samples_of(share)
+        found = grown(
+            lambda report: solve_map(study, path, share, report), count, path, share, quiet
+        )
         if not found.reached:
             complain(f"{found.missed} targets are not reached")
             raise typer.Exit(NOT_REACHED)

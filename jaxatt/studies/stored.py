@@ -7,12 +7,13 @@ from pathlib import Path
 from jaxatt.report.store.dataset import load_store
 from jaxatt.runtime.files import OutputError
 from jaxatt.studies.attitude_map.map import AttitudeMap
+from jaxatt.studies.stored_study import StoredStudy
 from jaxatt.studies.sweep.sweep import Sweep
 
-_KINDS: dict[str, type[AttitudeMap] | type[Sweep]] = {"map": AttitudeMap, "sweep": Sweep}
+_KINDS: dict[str, type[StoredStudy]] = {"map": AttitudeMap, "sweep": Sweep}
 
 
-def open_study(path: str | Path) -> AttitudeMap | Sweep:
+def open_study(path: str | Path) -> StoredStudy:
     """Read what a store holds so far; its own attribute `kind` says which study it is of.
 
     Raises `OutputError` where the folder is no store of a sweep or of a map.

@@ -15,7 +15,7 @@ from jaxatt import scenarios
 from jaxatt.problems.reading.documents import parse
 from jaxatt.scenarios import ScenarioError
 from jaxatt.studies.sweep.numbers import places, whole_document
-from jaxatt.studies.sweep.reading import is_study, load_study, read_study
+from jaxatt.studies.sweep.reading import load_study, read_study
 
 SLEW = {
     "scenario": "hypso1-90-45-15",
@@ -35,8 +35,8 @@ def vary(**entry):
 @pytest.mark.parametrize("name", scenarios.names("study"))
 def test_bundled_studies_are_read(name: str) -> None:
     found = load_study(name)
-    assert found.name == name and is_study(name)
-    for index in (0, len(found.values) - 1):
+    assert found.name == name
+    for index in (0, found.samples - 1):
         scenarios.from_mapping(found.sample(index))
 
 
@@ -50,10 +50,33 @@ def test_the_study_of_the_page_is_read() -> None:
     np.testing.assert_allclose(wheels, found.values[3, 1])
 
 
-def test_a_scenario_is_no_study() -> None:
-    assert not is_study("hypso1-90-45-15")
+def test_a_scenario_is_no_study(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(scenarios.text("hypso1-90-45-15"))
+    for name in ("hypso1-90-45-15", tmp_path / "mine.toml"):
+        with pytest.raises(ScenarioError, match="varies nothing; write a study with scenario ="):
+            load_study(name)
     with pytest.raises(ScenarioError, match=r"nowhere.toml: cannot be read"):
-        is_study("nowhere.toml")
+        load_study("nowhere.toml")
+
+
+def test_several_scenarios_have_the_same_samples() -> None:
+    names = ["mrp-k3", "hypso1-90-45-15", "mrp-k5"]
+    field = {"field": "vehicle.inertia_kgm2.*.*", "change": "multiply", "values": [0.5, 1.0, 2.0]}
+    found = study(scenario=names, vary=[field], fixed={"solver.starts": 3})
+    assert found.samples == 9
+    for index in range(9):
+        document = found.sample(index)
+        base = whole_document(scenarios.load(names[index // 3]))
+        factor = field["values"][index % 3]
+        np.testing.assert_allclose(
+            document["vehicle"]["inertia_kgm2"], factor * np.array(base["vehicle"]["inertia_kgm2"])
+        )
+        assert document["target"] == base["target"] and document["solver"]["starts"] == 3
+    layout = found.layout()
+    assert layout.coordinates["scenario"][1].tolist() == np.repeat(names, 3).tolist()
+    assert layout.attributes["quantities"].split() == ["scenario", "inertia_kgm2_factor"]
+    alone = study(scenario=names[1], vary=[field])
+    assert "scenario" not in alone.layout().coordinates
 
 
 def test_a_number_of_a_bundled_vehicle_is_set_for_all_wheels() -> None:
@@ -71,7 +94,7 @@ def test_every_entry_is_scaled_and_one_is_added_to() -> None:
             {"field": "target.attitude_deg.2", "change": "add", "values": [turn]},
         ]
     )
-    before, after = found.whole, found.sample(0)
+    before, after = found.bases[0].whole, found.sample(0)
     np.testing.assert_allclose(
         after["vehicle"]["inertia_kgm2"], factor * np.array(before["vehicle"]["inertia_kgm2"])
     )
@@ -196,6 +219,15 @@ def test_names_stand_for_the_numbers_that_a_scenario_has() -> None:
         ({"vary": [{"field": 3, "values": [1]}]}, ["field = 3", "is no name"]),
         ({"vary": [{"values": [1]}]}, ["field", "missing"]),
         ({"vary": []}, ["vary", "write one [[vary]]"]),
+        ({"scenario": []}, ["scenario", "no list of names"]),
+        ({"scenario": ["mrp-k3", "mrp-k3"]}, ["names mrp-k3 twice"]),
+        ({"scenario": ["hypso1-90-45-15", "double-integrator"]},
+         ["[[vary]] 1 field", "double-integrator has no such number"]),
+        ({"scenario": ["hypso1-90-45-15", "mrp-k3"],
+          "vary": [{"field": "vehicle.wheels.torque_limit_Nm", "name": "scenario", "values": [1]}]},
+         ["tells the scenarios apart"]),
+        ({"against": "active_intervals"}, ["against", "no list of names"]),
+        ({"against": ["cost"]}, ["against", "cost is no output"]),
         ({"vary": [{"field": "horizon.horizon_s", "values": []}]}, ["no list of numbers"]),
         ({"vary": [{"field": "horizon.horizon_s", "values": ["a"]}]}, ["no number"]),
         ({"vary": [{"field": "horizon.horizon_s", "values": [1.0, 1.0]}]}, ["twice"]),

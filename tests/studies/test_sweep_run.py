@@ -205,9 +205,7 @@ def test_bad_input_ends_with_a_sentence(whole: Path, tmp_path: Path) -> None:
     cases = [
         (("sweep", study, "--task", "2/2"), "--task 2/2: is no task"),
         (("sweep", study, "--task", "two"), "--task two: is no task"),
-        (("sweep", study, study), "give it alone"),
-        (("sweep", study, "--rho", "1"), "give it alone"),
-        (("sweep", "mrp-k3", "--task", "0/2"), "only studies have tasks"),
+        (("sweep", "mrp-k3"), "mrp-k3: varies nothing; write a study with scenario"),
         (("sweep", "torque-and-horizo"), "did you mean"),
         (("sweep", study, "--starts", 4, "--out", out), "holds contents"),
         (("sweep", tmp_path / "none.toml", "--out", tmp_path), "none of 6 samples"),

@@ -1,4 +1,4 @@
-"""Weights of effort in one chunk: one batch from neighbours' answers, as `sweep_effort` has it."""
+"""Weights of effort in one chunk: one batch from neighbours' answers, for each scenario."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import pytest
 
 import jaxatt
 from jaxatt.problems.registry import family_of
+from jaxatt.problems.time_optimal.effort_path import effort_path
+from jaxatt.problems.time_optimal.phase import build_time_task
 from jaxatt.scenarios import load, replace
 
 FEW = {"solver.starts": 4, "horizon.intervals": 12}
@@ -20,28 +22,35 @@ def weights() -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_a_chunk_of_weights_is_the_sweep_of_effort(tmp_path: Path, weights) -> None:
+def test_weights_of_two_scenarios(tmp_path: Path, weights) -> None:
+    names = ["mrp-k3-rk4", "mrp-k4-rk4"]
     study = {
-        "scenario": "mrp-k3-rk4",
+        "scenario": names,
         "outputs": ["final_time_s", "control_effort", "cost"],
+        "against": ["final_time_s"],
         "chunk": 3,
         "fixed": FEW,
         "vary": [{"field": "objective.effort_weight", "values": weights.tolist()}],
     }
-    found = jaxatt.sweep(study, tmp_path / "a.zarr").dataset
-    np.testing.assert_array_equal(found.effort_weight, weights)
-    path = jaxatt.sweep_effort(replace(load("mrp-k3-rk4"), FEW), weights).curves[0].path
-    order = np.argsort(weights)
-    for name, values in (
-        ("final_time_s", path.final_time),
-        ("control_effort", path.quadratic_effort),
-        ("cost", path.cost),
-    ):
-        np.testing.assert_allclose(found[name].values[order], values, rtol=1e-9)
-    np.testing.assert_allclose(
-        found.cost, found.final_time_s + weights * found.control_effort, rtol=1e-6
-    )
-    assert (np.diff(found.control_effort.values[order]) < 1e-6).all()
+    sweep = jaxatt.sweep(study, tmp_path / "a.zarr")
+    assert sweep.complete and sweep.reached and sweep.names == ("scenario", "effort_weight")
+    sweep.save(tmp_path)
+    grid = sweep.grid().sel(effort_weight=np.sort(weights))
+    for name in names:
+        found, task = grid.sel(scenario=name), build_time_task(replace(load(name), FEW))
+        path = effort_path(task, weights, FEW["solver.starts"], 0)
+        for column, values in (
+            ("final_time_s", path.final_time),
+            ("control_effort", path.quadratic_effort),
+            ("cost", path.cost),
+        ):
+            np.testing.assert_allclose(found[column], values, rtol=1e-9)
+        np.testing.assert_allclose(
+            found.cost, found.final_time_s + found.effort_weight * found.control_effort, rtol=1e-6
+        )
+        assert (np.diff(found.control_effort) < 1e-6).all()
+    three, four = (grid.sel(scenario=name).cost for name in names)
+    assert (four.values < three.values).all()
 
 
 def test_only_samples_that_differ_in_the_weight_go_together(weights) -> None:

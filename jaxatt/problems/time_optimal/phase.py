@@ -140,6 +140,7 @@ def time_record(
             cost=float(found.cost[best]),
             actuators=names,
             switch_times=switches,
+            torque_share=float((np.abs(torque) / upper).max()),
             violation=float(found.violation[best]),
             stationarity=float(found.stationarity[best]),
             minima=found.minima,

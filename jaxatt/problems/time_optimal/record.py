@@ -14,6 +14,7 @@ class TimeOptimum(Section):
 
     effort_weight : rho [1/(N m)^2].  cost : [s], the programme's own.
     actuators : names, wheels then thrusters.  switch_times : (K,) [s] of each actuator.
+    torque_share : largest torque of all actuators as a share of its limit.
     violation : largest violation of a constraint of the programme, and stationarity : norm of the
     gradient of its Lagrangian, both as the solver scales them.
     minima : different minima among the starts that ended well.  share : of all starts, those that
@@ -29,6 +30,7 @@ class TimeOptimum(Section):
     cost: float
     actuators: tuple[str, ...]
     switch_times: tuple[Floats, ...]
+    torque_share: float
     violation: float
     stationarity: float
     minima: int

@@ -79,6 +79,15 @@ class Layout:
         """Samples of a chunk."""
         return slice(chunk * self.chunk, min(self.samples, (chunk + 1) * self.chunk))
 
+    def samples_of(self, share: tuple[int, int]) -> int:
+        """Number of samples of task i of n = `share`."""
+        return sum(rows.stop - rows.start for rows in map(self.rows, self.chunks_of(share)))
+
+    def chunks_of(self, share: tuple[int, int]) -> range:
+        """Chunks of task i of n = `share`: i, i + n, i + 2 n, ..."""
+        first, every = share
+        return range(first, self.chunks, every)
+
     @property
     def bytes(self) -> int:
         """Room that the whole store may take on a disk, without compression."""

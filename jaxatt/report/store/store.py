@@ -86,10 +86,14 @@ class Store:
         return bool(self.done.all())
 
     def pending(self, share: tuple[int, int] = (0, 1)) -> list[int]:
-        """Chunks that are not written, of those of task i of n = `share`: i, i + n, i + 2 n, ..."""
-        done, (first, every) = self.done, share
-        chunks = range(first, self.layout.chunks, every)
-        return [k for k in chunks if not done[self.layout.rows(k)].all()]
+        """Chunks that are not written, of those of task i of n = `share`."""
+        done = self.done
+        return [k for k in self.layout.chunks_of(share) if not done[self.layout.rows(k)].all()]
+
+    def written(self, share: tuple[int, int] = (0, 1)) -> int:
+        """Number of samples that are written, of those of task i of n = `share`."""
+        done = self.done
+        return int(sum(done[self.layout.rows(k)].sum() for k in self.layout.chunks_of(share)))
 
     def write(self, chunk: int, columns: Mapping[str, Any]) -> None:
         """Write one chunk of every column, each (samples of the chunk, ...), and mark it done."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Group
@@ -12,7 +10,6 @@ from rich.console import Group
 from jaxatt import scenarios
 from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
-from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.drawing.turns import turns_figure
 from jaxatt.report.store.dataset import load_store
 from jaxatt.report.store.layout import DONE
@@ -20,36 +17,22 @@ from jaxatt.report.store.names import store_name
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
-from jaxatt.studies.attitude_map.run import REACHED_COLUMN, run_map
+from jaxatt.studies.attitude_map.run import run_map
+from jaxatt.studies.attitude_map.study import REACHED_COLUMN, MapStudy, map_study
 from jaxatt.studies.attitude_map.table import map_numbers, map_table
-from jaxatt.studies.attitude_map.targets import map_targets
-
-if TYPE_CHECKING:
-    import xarray
-
-STARTS = 8
-"""Starts of a target, unless others are asked for or the scenario has fewer."""
+from jaxatt.studies.stored_study import StoredStudy
 
 
-@dataclass(frozen=True, eq=False)
-class AttitudeMap:
+class AttitudeMap(StoredStudy):
     """Best answers to targets all over SO(3), all or those that are done so far.
 
     dataset : one dimension, "sample", with `q_ob`, `turn_axis` and `turn_deg` as coordinates.
     """
 
-    path: Path
-    dataset: xarray.Dataset
-
     @property
     def mapped(self) -> tuple[str, ...]:
         """Names of what is mapped."""
         return tuple(self.dataset.attrs["mapped"].split())
-
-    @property
-    def complete(self) -> bool:
-        """Whether all targets are answered."""
-        return bool(self.dataset[DONE].all())
 
     @property
     def reached(self) -> bool:
@@ -93,29 +76,6 @@ class AttitudeMap:
         reached = int(self.dataset[REACHED_COLUMN].values.sum())
         return f"AttitudeMap({self.path}: {done.sum()} of {done.size} targets, {reached} reached)"
 
-    def __str__(self) -> str:
-        return as_text(self.table())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.table())
-
-
-def prepared_scenario(
-    scenario: scenarios.Scenario | str | Path,
-    objective: str | None = None,
-    starts: int | None = None,
-    seed: int | None = None,
-) -> scenarios.Scenario:
-    """The scenario of a map, with `STARTS` starts a target unless told otherwise."""
-    if not isinstance(scenario, scenarios.Scenario):
-        scenario = scenarios.load(scenario)
-    changes: dict[str, Any] = {
-        "objective.kind": objective,
-        "solver.starts": starts or min(STARTS, scenario.solver.starts),
-        "solver.seed": seed,
-    }
-    return scenarios.replace(scenario, {k: v for k, v in changes.items() if v is not None})
-
 
 def attitude_map(
     scenario: scenarios.Scenario | str | Path,
@@ -140,8 +100,13 @@ def attitude_map(
     Raises `ScenarioError` where the scenario has no target to turn, and `OutputError` where the
     store is of another map or cannot be written.
     """
-    scenario = prepared_scenario(scenario, objective, starts, seed)
-    aimed = map_targets(scenario, targets)
-    path = Path(store_name(f"{scenario.name}-map", share) if path is None else path)
-    run_map(scenario, aimed, path, share, report)
-    return AttitudeMap(path, load_store(path))
+    study = map_study(scenario, targets, objective, starts, seed)
+    return solve_map(study, store_name(study.name, share) if path is None else path, share, report)
+
+
+def solve_map(
+    study: MapStudy, path: str | Path, share: tuple[int, int] = (0, 1), report: Report | None = None
+) -> AttitudeMap:
+    """Answer the targets of a checked study that the store at `path` does not hold yet."""
+    run_map(study, path, share, report)
+    return AttitudeMap(Path(path), load_store(path))

@@ -14,7 +14,7 @@ from jaxatt.pipeline.solve_targets import CHECKED
 from jaxatt.records.wording import short
 from jaxatt.report.store.layout import DONE
 from jaxatt.runtime.arrays import Floats
-from jaxatt.studies.attitude_map.run import REACHED_COLUMN
+from jaxatt.studies.attitude_map.study import REACHED_COLUMN
 
 if TYPE_CHECKING:
     import xarray

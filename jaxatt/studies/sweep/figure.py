@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from jaxatt.drawing.figure import Picture, colour, picture, tidy
 from jaxatt.runtime.arrays import Floats
-from jaxatt.studies.sweep.study import FAILED, NOT_REACHED, REACHED, STATE
+from jaxatt.studies.sweep.study import FAILED, NOT_REACHED, REACHED, SCENARIO, STATE
 
 if TYPE_CHECKING:
     import xarray
@@ -20,55 +20,93 @@ _AXIS = {"linear": "linear", "logarithmic": "log"}
 """What matplotlib calls the scales of a study."""
 
 
-def sweep_figure(dataset: xarray.Dataset, names: Sequence[str], outputs: Sequence[str]) -> Picture:
+def sweep_figure(
+    dataset: xarray.Dataset,
+    names: Sequence[str],
+    outputs: Sequence[str],
+    against: Sequence[str] = (),
+) -> Picture:
     """Draw every output; samples that do not reach, and those that failed, are marked.
 
-    names : of the swept quantities.
+    names : of the swept quantities.  against : outputs that the others are drawn over, too.
     """
-    if dataset.attrs["method"] == "grid" and len(names) == 2:
-        return _maps(dataset, names, outputs)
-    return _scatter(dataset, names, outputs)
+    groups, names = _by_scenario(dataset), [name for name in names if name != SCENARIO]
+    if dataset.attrs["method"] == "grid" and len(names) == 2 and not against:
+        return _maps(dataset.attrs["title"], groups, names, outputs)
+    return _scatter(dataset.attrs["title"], groups, [*names, *against], outputs)
 
 
-def _maps(dataset: xarray.Dataset, names: Sequence[str], outputs: Sequence[str]) -> Picture:
-    """One map an output."""
-    columns = min(len(outputs), 3)
-    rows = -(-len(outputs) // columns)
-    made = picture(4.6 * columns, 3.6 * rows, dataset.attrs["title"])
-    panels = made.subplots(rows, columns, squeeze=False)
-    for axes, output in zip(panels.flat, outputs, strict=False):
-        _map(axes, made, dataset, names, output)
-    for axes in panels.flat[len(outputs) :]:
-        axes.set_visible(False)
-    _legend(made, panels[0, 0])
+def _by_scenario(dataset: xarray.Dataset) -> dict[str, xarray.Dataset]:
+    """The samples of each scenario by its name, or all under no name."""
+    if SCENARIO not in dataset:
+        return {"": dataset}
+    of = dataset[SCENARIO].values
+    return {str(name): dataset.isel(sample=of == name) for name in dict.fromkeys(of.tolist())}
+
+
+def _maps(
+    title: str,
+    groups: Mapping[str, xarray.Dataset],
+    names: Sequence[str],
+    outputs: Sequence[str],
+) -> Picture:
+    """One map a scenario and output."""
+    panels = [(name, group, output) for name, group in groups.items() for output in outputs]
+    columns = len(outputs) if len(groups) > 1 else min(len(outputs), 3)
+    rows = -(-len(panels) // columns)
+    made = picture(4.6 * columns, 3.6 * rows, title)
+    axes = made.subplots(rows, columns, squeeze=False)
+    for panel, (name, group, output) in zip(axes.flat, panels, strict=False):
+        _map(panel, made, group, names, output)
+        panel.set_title(f"{name}: {output}" if name else output, fontsize="medium")
+    for panel in axes.flat[len(panels) :]:
+        panel.set_visible(False)
+    _legend(made, axes[0, 0])
     return made
 
 
-def _scatter(dataset: xarray.Dataset, names: Sequence[str], outputs: Sequence[str]) -> Picture:
+def _scatter(
+    title: str,
+    groups: Mapping[str, xarray.Dataset],
+    names: Sequence[str],
+    outputs: Sequence[str],
+) -> Picture:
     """Rows of outputs over columns of quantities, as many as fit into a figure."""
     shown = names[: max(1, _MOST_PANELS // len(outputs))]
-    made = picture(3.2 + 3.0 * len(shown), 0.8 + 2.2 * len(outputs), dataset.attrs["title"])
+    made = picture(3.2 + 3.0 * len(shown), 0.8 + 2.2 * len(outputs), title)
     panels = made.subplots(len(outputs), len(shown), squeeze=False, sharex="col", sharey="row")
+    first = next(iter(groups.values()))
+    joined = sum(name not in outputs for name in names) == 1
     for row, output in zip(panels, outputs, strict=True):
         for axes, name in zip(row, shown, strict=True):
-            _points(axes, dataset, name, output, joined=len(names) == 1)
+            for number, (scenario, group) in enumerate(groups.items()):
+                _points(axes, group, name, output, joined, number, scenario or "reached")
             tidy(axes)
         row[0].set_ylabel(output)
     for axes, name in zip(panels[-1], shown, strict=True):
         axes.set_xlabel(name)
-        axes.set_xscale(_AXIS[dataset[name].attrs["spacing"]])
+        axes.set_xscale(_AXIS[first[name].attrs.get("spacing", "linear")])
     _legend(made, panels[0, 0])
     return made
 
 
-def _points(axes: Axes, dataset: xarray.Dataset, name: str, output: str, joined: bool) -> None:
+def _points(
+    axes: Axes,
+    dataset: xarray.Dataset,
+    name: str,
+    output: str,
+    joined: bool,
+    number: int,
+    label: str,
+) -> None:
+    """Draw the samples of one scenario, the one of this number."""
     x, y, state = (dataset[each].values for each in (name, output, STATE))
     reached, failed = state == REACHED, state == FAILED
     if joined:
         order = np.argsort(x)
         order = order[state[order] != 0]
-        axes.plot(x[order], np.where(reached, y, np.nan)[order], "-", color=colour(0), lw=1.0)
-    axes.plot(x[reached], y[reached], ".", color=colour(0), label="reached")
+        axes.plot(x[order], np.where(reached, y, np.nan)[order], "-", color=colour(number), lw=1.0)
+    axes.plot(x[reached], y[reached], ".", color=colour(number), label=label)
     missed = (state == NOT_REACHED) & np.isfinite(y)
     if missed.any():
         axes.plot(x[missed], y[missed], "x", color=colour(1), ms=5, label="not reached")
@@ -99,7 +137,6 @@ def _map(
             )
     axes.set_xlabel(names[0])
     axes.set_ylabel(names[1])
-    axes.set_title(output, fontsize="medium")
 
 
 def _edges(values: Floats, scale: str) -> Floats:
@@ -116,6 +153,13 @@ def _edges(values: Floats, scale: str) -> Floats:
 
 def _legend(made: Picture, panel: Axes) -> None:
     """Below the panels, what the marks of one of them mean, where there is more than one kind."""
-    handles, labels = panel.get_legend_handles_labels()
-    if set(labels) - {"reached"}:
-        made.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=8)
+    of = dict(zip(*panel.get_legend_handles_labels()[::-1], strict=True))
+    if set(of) - {"reached"}:
+        made.legend(
+            list(of.values()),
+            list(of),
+            loc="outside lower center",
+            ncols=3,
+            frameon=False,
+            fontsize=8,
+        )

@@ -79,7 +79,7 @@ def _following(value: Any, parts: Sequence[str], before: Place) -> Iterator[Plac
 
 
 def _may_have(scenario: Scenario, parts: Sequence[str]) -> bool:
-    if len(parts) == 3 and parts[0] == "vehicle":
+    if len(parts) == 3 and parts[0] == "vehicle" and scenario.vehicle is not None:
         return parts[2] in VEHICLE_PARTS.get(parts[1], ())
     tables = family_of(scenario).tables
     return len(parts) == 2 and parts[1] in tables.get(parts[0], ()) and parts[1] != "use"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +20,11 @@ from jaxatt.scenarios.bundled import suggestion
 from jaxatt.scenarios.loader import plain_values
 from jaxatt.studies.sweep.numbers import whole_document
 from jaxatt.studies.sweep.samples import METHODS, MOST, Range, grid, notes, scattered
-from jaxatt.studies.sweep.study import Study
+from jaxatt.studies.sweep.study import Base, Study
 from jaxatt.studies.sweep.vary import check_apart, read_varied
 
-_TOP = ("name", "title", "scenario", "outputs", "chunk", "fixed", "sampling", "vary")
+_TOP = ("name", "title", "scenario", "outputs", "against", "chunk", "fixed", "sampling", "vary")
 _SAMPLING = ("method", "samples", "seed")
-
-
-def is_study(name_or_path: str | Path) -> bool:
-    """Whether this is a bundled study, or a TOML file that varies something."""
-    kind = scenarios.kind_of(str(name_or_path))
-    if kind is not None:
-        return kind == "study"
-    return bool({"vary", "sampling"} & set(read_study_file(name_or_path, "study", "manoeuvre")))
 
 
 def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Study:
@@ -40,10 +33,17 @@ def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = Non
     changes : of the scenario, as in [fixed], on top of those.  Raises `ScenarioError`.
     """
     name = str(name_or_path)
-    if scenarios.kind_of(name) == "study":
+    kind = scenarios.kind_of(name)
+    if kind == "study":
         origin = f"{name}.toml"
         return read_study(parse(scenarios.text(name), origin), origin, None, changes)
-    document = read_study_file(name_or_path, "study", "manoeuvre")
+    document = {} if kind is not None else read_study_file(name_or_path, "study")
+    if not {"vary", "sampling", "outputs"} & set(document):
+        raise ScenarioError(
+            f"{name}: varies nothing; write a study with scenario = "
+            f"{json.dumps(name)}, outputs and [[vary]], such as the one of "
+            "'jaxatt scenarios show time-and-effort'"
+        )
     return read_study(document, name, Path(name_or_path).parent, changes)
 
 
@@ -69,33 +69,34 @@ def read_study(
     plain = plain_values(document)
     top = Table(plain, origin, "", _TOP)
     name = read_name(top)
-    scenario, fixed = read_base(top, folder, changes)
-    whole = whole_document(scenario)
+    bases, fixed = _bases(plain, top, folder, changes)
 
     sampling = Table(plain.get("sampling", {}), origin, "[sampling]", _SAMPLING)
     method = sampling.choice("method", METHODS, "grid")
     entries = top.require("vary", '"..."')
     if not isinstance(entries, list) or not entries:
         top.fail("vary", "is no list of tables", "write one [[vary]] for every swept number")
-    varied = [
-        read_varied(entry, k, origin, "vary", method, scenario, whole)
-        for k, entry in enumerate(entries)
-    ]
-    check_apart(varied, origin, "vary")
-    values, remarks = _samples(sampling, method, [v.range for v in varied])
+    bases = tuple(_varying(base, entries, method, origin) for base in bases)
+    values, remarks = _samples(sampling, method, [v.range for v in bases[0].varied])
+    count = len(bases) * len(values)
+    if count > MOST:
+        raise ScenarioError(
+            f"{origin}: scenario: {len(bases)} scenarios make {count} samples; at most {MOST} are "
+            "made"
+        )
     # A few hundred chunks: little is lost with a chunk, and few files are made.
-    chunk = top.integer("chunk", max(1, min(256, -(-len(values) // 256))), at_most=MOST)
+    chunk = top.integer("chunk", max(1, min(256, -(-count // 256))), at_most=MOST)
+    outputs = _outputs(top)
     study = Study(
         name=name,
         title=top.text("title", name),
         origin=origin,
-        scenario=scenario,
-        whole=whole,
-        varied=tuple(varied),
+        bases=bases,
         method=method,
         values=values,
-        outputs=_outputs(top),
-        chunk=min(chunk, len(values)),
+        outputs=outputs,
+        against=_against(top, outputs),
+        chunk=min(chunk, count),
         notes=remarks,
         document=json.dumps({**plain, "fixed": fixed}, sort_keys=True, default=str),
     )
@@ -104,6 +105,37 @@ def read_study(
     except ScenarioError as error:
         raise ScenarioError(f"{origin}: {error}") from None
     return study
+
+
+def _bases(
+    plain: Mapping[str, Any], top: Table, folder: Path | None, changes: Mapping[str, Any] | None
+) -> tuple[tuple[Base, ...], dict[str, Any]]:
+    """The scenarios of a study before anything is varied, and what [fixed] changes in all."""
+    given = plain.get("scenario")
+    fixed: dict[str, Any] = {}
+    if not isinstance(given, list):
+        scenario, fixed = read_base(top, folder, changes)
+        return (Base(scenario, whole_document(scenario), ()),), fixed
+    if not given or not all(isinstance(name, str) for name in given):
+        top.fail("scenario", "is no list of names", "write names of scenarios in quotes")
+    bases: list[Base] = []
+    for name in given:
+        one = Table({**plain, "scenario": name}, top.origin, "", _TOP)
+        scenario, fixed = read_base(one, folder, changes)
+        if scenario.name in [base.scenario.name for base in bases]:
+            top.fail("scenario", f"names {scenario.name} twice", "keep one of them")
+        bases.append(Base(scenario, whole_document(scenario), ()))
+    return tuple(bases), fixed
+
+
+def _varying(base: Base, entries: Sequence[Any], method: str, origin: str) -> Base:
+    """A scenario with the quantities that are varied in it."""
+    varied = [
+        read_varied(entry, k, origin, "vary", method, base.scenario, base.whole)
+        for k, entry in enumerate(entries)
+    ]
+    check_apart(varied, origin, "vary")
+    return replace(base, varied=tuple(varied))
 
 
 def _samples(table: Table, method: str, ranges: Sequence[Range]) -> tuple[Floats, tuple[str, ...]]:
@@ -147,6 +179,16 @@ def _outputs(top: Table) -> tuple[str, ...]:
             top.fail("outputs", f"names {name} twice", "keep one of them")
         if name.split(".")[0] == CLOCK:
             top.fail("outputs", f"{name} is a clock's, other in every run", "drop it")
+    return tuple(value)
+
+
+def _against(top: Table, outputs: Sequence[str]) -> tuple[str, ...]:
+    value = top.data.get("against", [])
+    if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
+        top.fail("against", "is no list of names", 'write names of outputs, as ["final_time_s"]')
+    for name in value:
+        if name not in outputs or value.count(name) > 1:
+            top.fail("against", f"{name} is no output, or stands twice", "name outputs once each")
     return tuple(value)
 
 

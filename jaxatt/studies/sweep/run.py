@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -37,11 +38,11 @@ def run_study(
     """
     check_precision()
     layout = study.layout()
-    chunks = range(share[0], layout.chunks, share[1])
+    chunks = layout.chunks_of(share)
     known = {} if Path(path).exists() else _first_answers(study, layout, chunks)
     with Store.open_or_create(path, layout) as store:
         tell = report or (lambda stage, done: None)
-        tell(SAMPLES, int(sum(store.done[layout.rows(k)].sum() for k in chunks)))
+        tell(SAMPLES, store.written(share))
         for chunk in store.pending(share):
             attempts = known.pop(chunk, [])
             tell(SAMPLES, len(attempts))
@@ -52,17 +53,10 @@ def run_study(
             store.write(chunk, _columns(study, attempts))
 
 
-def samples_of(study: Study, share: tuple[int, int]) -> int:
-    """Number of samples of task i of n."""
-    layout = study.layout()
-    chunks = (layout.rows(k) for k in range(share[0], layout.chunks, share[1]))
-    return sum(rows.stop - rows.start for rows in chunks)
-
-
 def _attempts(study: Study, rows: slice) -> Iterator[Attempt]:
-    """Solve the samples of a chunk."""
-    documents = [study.sample(index) for index in range(rows.start, rows.stop)]
-    return solve_many(documents, study.scenario)
+    """Solve the samples of a chunk, those of each scenario together."""
+    for base, indices in itertools.groupby(range(rows.start, rows.stop), study.base):
+        yield from solve_many([study.sample(index) for index in indices], base.scenario)
 
 
 def _first_answers(study: Study, layout: Layout, chunks: Sequence[int]) -> dict[int, list[Attempt]]:

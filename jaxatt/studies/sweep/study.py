@@ -5,12 +5,16 @@ from __future__ import annotations
 import copy
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from jaxatt.pipeline.solve import versions
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
+from jaxatt.records.labels import Variable
 from jaxatt.report.store.layout import SAMPLE, STRING, Column, Layout
 from jaxatt.runtime.arrays import Floats
 from jaxatt.studies.sweep.numbers import Place, set_at, value_at
@@ -18,7 +22,7 @@ from jaxatt.studies.sweep.samples import Range
 
 CHANGES = ("set", "multiply", "add")
 
-STATE, REASON = "state", "reason"
+SCENARIO, STATE, REASON = "scenario", "state", "reason"
 REACHED, NOT_REACHED, FAILED = 1, 2, 3
 _MEANINGS = "not_computed reached not_reached failed"
 
@@ -47,40 +51,75 @@ class Varied:
 
 
 @dataclass(frozen=True, eq=False)
+class Base:
+    """A scenario that samples are made from, and where the varied numbers stand in it.
+
+    whole : document of the scenario, its vehicle written out.
+    """
+
+    scenario: Scenario
+    whole: Mapping[str, Any]
+    varied: tuple[Varied, ...]
+
+    def at(self, values: Sequence[float]) -> dict[str, Any]:
+        """Document of the scenario with these values of the quantities."""
+        document = copy.deepcopy(dict(self.whole))
+        for quantity, value in zip(self.varied, values, strict=True):
+            quantity.apply(document, value)
+        return document
+
+
+@dataclass(frozen=True, eq=False)
 class Study:
     """A checked study with its samples.
 
-    origin : what messages call its file.  whole : document of the scenario, its vehicle written
-    out.  values : (S, D), of each quantity in each sample.  outputs : names of `summary.json`.
-    chunk : samples that are written together.
+    origin : what messages call its file.  bases : the scenarios, each with the same quantities.
+    values : (S, D), of each quantity in each sample of one scenario; those of the first scenario
+    come first.  outputs : names of `summary.json`.  against : outputs that the others are drawn
+    over, too.  chunk : samples that are written together.
     """
 
     name: str
     title: str
     origin: str
-    scenario: Scenario
-    whole: Mapping[str, Any]
-    varied: tuple[Varied, ...]
+    bases: tuple[Base, ...]
     method: str
     values: Floats
     outputs: tuple[str, ...]
+    against: tuple[str, ...]
     chunk: int
     notes: tuple[str, ...]
     document: str
 
+    @property
+    def samples(self) -> int:
+        """Number of samples of all scenarios."""
+        return len(self.bases) * len(self.values)
+
+    @property
+    def varied(self) -> tuple[Varied, ...]:
+        """The quantities, as they stand in the first scenario."""
+        return self.bases[0].varied
+
+    def base(self, index: int) -> Base:
+        """What a sample is made from."""
+        return self.bases[index // len(self.values)]
+
     def sample(self, index: int) -> dict[str, Any]:
         """Document of one sample's scenario."""
-        document = copy.deepcopy(dict(self.whole))
-        for quantity, value in zip(self.varied, self.values[index].tolist(), strict=True):
-            quantity.apply(document, value)
-        return document
+        return self.base(index).at(self.values[index % len(self.values)].tolist())
 
     def layout(self) -> Layout:
         """What the store of this study holds."""
-        whole = json.dumps(self.whole, sort_keys=True, default=str)  # dates
+        wholes = [dict(base.whole) for base in self.bases]
+        whole = json.dumps(wholes, sort_keys=True, default=str)  # dates
         told = hashlib.sha256(f"{self.document}\n{whole}".encode() + self.values.tobytes())
+        names = [base.scenario.name for base in self.bases]
+        quantities = [quantity.name for quantity in self.varied]
+        coordinates = self._coordinates(names) if len(names) > 1 else {}
+        values = np.tile(self.values, (len(names), 1))
         return Layout(
-            samples=len(self.values),
+            samples=self.samples,
             chunk=self.chunk,
             identity={
                 "study": self.name,
@@ -88,16 +127,19 @@ class Study:
                 **versions(),
             },
             coordinates={
-                quantity.name: (
-                    (SAMPLE,),
-                    self.values[:, d],
-                    {
-                        "field": ", ".join(quantity.fields),
-                        "change": quantity.change,
-                        "spacing": quantity.range.spacing,
-                    },
-                )
-                for d, quantity in enumerate(self.varied)
+                **coordinates,
+                **{
+                    quantity.name: (
+                        (SAMPLE,),
+                        values[:, d],
+                        {
+                            "field": ", ".join(quantity.fields),
+                            "change": quantity.change,
+                            "spacing": quantity.range.spacing,
+                        },
+                    )
+                    for d, quantity in enumerate(self.varied)
+                },
             },
             columns={
                 **{name: Column() for name in self.outputs},
@@ -109,14 +151,21 @@ class Study:
             attributes={
                 "kind": "sweep",
                 "title": self.title,
-                "scenario": self.scenario.name,
+                "scenarios": " ".join(names),
                 "method": self.method,
-                "quantities": " ".join(quantity.name for quantity in self.varied),
+                "quantities": " ".join([*coordinates, *quantities]),
                 "outputs": " ".join(self.outputs),
+                "against": " ".join(self.against),
                 "study_document": self.document,
-                "scenario_document": whole,
+                "scenario_documents": whole,
             },
         )
+
+    def _coordinates(self, names: Sequence[str]) -> dict[str, Variable]:
+        """The scenario of every sample, where there are several."""
+        if SCENARIO in [quantity.name for quantity in self.varied]:
+            raise ScenarioError(f'name = "{SCENARIO}": tells the scenarios apart; give another one')
+        return {SCENARIO: ((SAMPLE,), np.repeat(names, len(self.values)), {})}
 
 
 def _changed(change: str, before: Any, value: float) -> float:

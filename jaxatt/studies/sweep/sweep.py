@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,13 +11,13 @@ from rich.console import Group
 
 from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
-from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.report.store.dataset import load_store
 from jaxatt.report.store.layout import DONE
 from jaxatt.report.store.names import store_name
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling
+from jaxatt.studies.stored_study import StoredStudy
 from jaxatt.studies.sweep.figure import sweep_figure
 from jaxatt.studies.sweep.reading import load_study, read_study
 from jaxatt.studies.sweep.run import run_study
@@ -29,31 +28,22 @@ if TYPE_CHECKING:
     import xarray
 
 
-@dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(StoredStudy):
     """Samples of a sweep, all or those that are done so far.
 
     dataset : one dimension, "sample", with the swept quantities as coordinates; outputs are NaN
     where a sample is not done or has no answer.
     """
 
-    path: Path
-    dataset: xarray.Dataset
-
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the swept quantities."""
+        """Names of the swept quantities, "scenario" first where there are several."""
         return tuple(self.dataset.attrs["quantities"].split())
 
     @property
     def outputs(self) -> tuple[str, ...]:
         """Names of the outputs."""
         return tuple(self.dataset.attrs["outputs"].split())
-
-    @property
-    def complete(self) -> bool:
-        """Whether all samples are done."""
-        return bool(self.dataset[DONE].all())
 
     @property
     def reached(self) -> bool:
@@ -89,7 +79,8 @@ class Sweep:
 
     def plot(self) -> Picture:
         """Plot each output over the swept quantities."""
-        return sweep_figure(self.dataset, self.names, self.outputs)
+        against = self.dataset.attrs["against"].split()
+        return sweep_figure(self.dataset, self.names, self.outputs, against)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write sweep.png into a folder; return the file."""
@@ -101,12 +92,6 @@ class Sweep:
         done = np.asarray(self.dataset[DONE].values)
         reached = int((self.dataset[STATE].values == REACHED).sum())
         return f"Sweep({self.path}: {done.sum()} of {done.size} samples, {reached} reached)"
-
-    def __str__(self) -> str:
-        return as_text(self.table())
-
-    def _repr_html_(self) -> str:
-        return as_html(self.table())
 
 
 def sweep(

@@ -59,4 +59,8 @@ def sentences(dataset: xarray.Dataset, names: Sequence[str]) -> tuple[str, ...]:
 
 def where(dataset: xarray.Dataset, names: Sequence[str], sample: int) -> str:
     """Values of the swept quantities in one sample."""
-    return ", ".join(f"{name} = {float(dataset[name][sample]):.5g}" for name in names)
+    values = ((name, dataset[name].values[sample]) for name in names)
+    return ", ".join(
+        f"{name} = {value}" if isinstance(value, str) else f"{name} = {float(value):.5g}"
+        for name, value in values
+    )

@@ -41,6 +41,7 @@ def plain(optimum: TimeOptimum) -> dict[str, Any]:
     return {
         "effort_weight": optimum.effort_weight,
         "switch_times_s": switches(optimum),
+        "largest_torque_share": optimum.torque_share,
         "resolved_final_time_s": optimum.resolved_time,
         "minima": optimum.minima,
         "share_at_best": optimum.share,
