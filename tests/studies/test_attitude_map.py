@@ -12,7 +12,7 @@ from jaxatt import scenarios
 from jaxatt.cli import app
 from jaxatt.runtime.files import OutputError
 from jaxatt.scenarios import ScenarioError
-from jaxatt.studies.attitude_map import study as study_module
+from jaxatt.studies.attitude_map import study as run_module
 from jaxatt.studies.attitude_map.map import attitude_map
 from jaxatt.studies.attitude_map.targets import map_targets
 from jaxatt.studies.stored import open_study
@@ -58,7 +58,7 @@ def test_every_target_is_reached_and_labelled(whole):
 
 def test_a_map_that_was_stopped_goes_on_and_ends_with_the_same_values(whole, tmp_path, monkeypatch):
     path = tmp_path / "stopped.zarr"
-    solved = study_module.solve_targets
+    solved = run_module.solve_targets
     calls = []
 
     def stop_at_the_second(*arguments):
@@ -67,11 +67,11 @@ def test_a_map_that_was_stopped_goes_on_and_ends_with_the_same_values(whole, tmp
             raise KeyboardInterrupt
         return solved(*arguments)
 
-    monkeypatch.setattr(study_module, "solve_targets", stop_at_the_second)
+    monkeypatch.setattr(run_module, "solve_targets", stop_at_the_second)
     with pytest.raises(KeyboardInterrupt):
         attitude_map(slew(), COUNT, path)
     assert open_study(path).dataset["done"].values.sum() == 8
-    monkeypatch.setattr(study_module, "solve_targets", solved)
+    monkeypatch.setattr(run_module, "solve_targets", solved)
     again = attitude_map(slew(), COUNT, path)
     xarray.testing.assert_identical(again.dataset, whole.dataset)
 
