@@ -12,7 +12,8 @@ from jaxatt import scenarios
 from jaxatt.cli import app
 from jaxatt.runtime.files import OutputError
 from jaxatt.scenarios import ScenarioError
-from jaxatt.studies.attitude_map import study as run_module
+from jaxatt.studies.attitude_map import run as run_module
+from jaxatt.studies.attitude_map import study as study_module
 from jaxatt.studies.attitude_map.map import attitude_map
 from jaxatt.studies.attitude_map.targets import map_targets
 from jaxatt.studies.stored import open_study

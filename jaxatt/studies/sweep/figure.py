@@ -79,10 +79,13 @@ def _scatter(
     joined = sum(name not in outputs for name in names) == 1
     for row, output in zip(panels, outputs, strict=True):
         for axes, name in zip(row, shown, strict=True):
+            if name == output:
+                axes.set_visible(False)
+                continue
             for number, (scenario, group) in enumerate(groups.items()):
                 _points(axes, group, name, output, joined, number, scenario or "reached")
             tidy(axes)
-        row[0].set_ylabel(output)
+        row[0].set_ylabel(output.replace(".", "\n"))
     for axes, name in zip(panels[-1], shown, strict=True):
         axes.set_xlabel(name)
         axes.set_xscale(_AXIS[first[name].attrs.get("spacing", "linear")])
