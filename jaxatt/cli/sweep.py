@@ -27,7 +27,10 @@ def sweep(
     compile_cache: Cache = None,
     quiet: Quiet = False,
 ) -> None:
-    """Solve scenarios for many values of their numbers.  A run that is killed goes on where it was."""
+    """Solve scenarios for many values of their numbers, sample by sample.
+
+    A run that is killed goes on where it was.
+    """
     with clean_exit():
         share = read_share(task)
         given = {"solver.starts": starts, "solver.seed": seed}
