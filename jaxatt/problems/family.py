@@ -156,9 +156,7 @@ class Family(ABC):
             'could be weighed against time or error; choose a manoeuvre of kind "net-power"'
         )
 
-    def answer_targets(
-        self, scenario: Scenario, targets: Floats, report: Report | None
-    ) -> TargetAnswers | None:
+    def answer_targets(self, scenario: Scenario, targets: Floats) -> TargetAnswers | None:
         """The best answer to each of many targets (M, 4) in batches over all of them.
 
         targets : as `Target.q_ob`, in place of the scenario's own; its other settings stay.

@@ -132,9 +132,7 @@ class HandsOff(SparseFamily):
     def fly(self, task: SlewTask, controls: Floats) -> Flown:
         return fly_slew(task, controls)
 
-    def answer_targets(
-        self, scenario: Scenario, targets: Floats, report: Report | None
-    ) -> TargetAnswers | None:
+    def answer_targets(self, scenario: Scenario, targets: Floats) -> TargetAnswers | None:
         several = scenario.horizon.free or scenario.waypoint is not None
         if several or scenario.objective.kind != "l0":
             return None
@@ -143,4 +141,4 @@ class HandsOff(SparseFamily):
         batched = task.system.decided_by is DecidedBy.CONDENSED and not task.in_motion
         if not batched or task.watches or task.goal.terminal != "reach" or not task.shared:
             return None
-        return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed, report)
+        return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed)

@@ -66,11 +66,9 @@ class NetPower(Family):
         """Energy against the length of a manoeuvre, or against the error at its end."""
         return net_power_front(scenario, asked, report)
 
-    def answer_targets(
-        self, scenario: Scenario, targets: Floats, report: Report | None
-    ) -> TargetAnswers | None:
+    def answer_targets(self, scenario: Scenario, targets: Floats) -> TargetAnswers | None:
         """Most energy to each target, with wheels and in a time that is given."""
         alone = not options_of(scenario).tasks and len(scenario.targets) == 1
         if not alone or scenario.horizon.free or scenario.objective.terminal != "reach":
             return None
-        return answer_targets(scenario, targets, report)
+        return answer_targets(scenario, targets)

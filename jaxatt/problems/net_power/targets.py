@@ -21,7 +21,6 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.verdict import Verdict
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight_error import AGREE
 from jaxatt.simulation.step_error import each_apart
 
@@ -31,13 +30,13 @@ _TRIES = 3
 """Answers of a target that are flown, the best by the solver's count first, until one reaches."""
 
 
-def answer_targets(scenario: Scenario, targets: Floats, report: Report | None) -> TargetAnswers:
+def answer_targets(scenario: Scenario, targets: Floats) -> TargetAnswers:
     """Answer a manoeuvre with wheels for many targets (M, 4), in place of its own."""
     parts = []
     room = min(_AT_ONCE, len(targets))
     for first in range(0, len(targets), _AT_ONCE):
         asked = [_manoeuvre(scenario, q) for q in targets[first : first + _AT_ONCE]]
-        parts.append(_answered(scenario, asked, room, report))
+        parts.append(_answered(scenario, asked, room))
     return TargetAnswers.join(parts)
 
 
@@ -46,12 +45,10 @@ def _manoeuvre(scenario: Scenario, q: Floats) -> Manoeuvre:
     return manoeuvre_of(replace(scenario, targets=(target,)), PhaseStart())
 
 
-def _answered(
-    scenario: Scenario, manoeuvres: Sequence[Manoeuvre], room: int, report: Report | None
-) -> TargetAnswers:
+def _answered(scenario: Scenario, manoeuvres: Sequence[Manoeuvre], room: int) -> TargetAnswers:
     """Answers of so many manoeuvres as are solved together."""
     solver, count = scenario.solver, len(manoeuvres)
-    solved = search_wheels(manoeuvres, solver.starts, solver.seed, report, shared=True, room=room)
+    solved = search_wheels(manoeuvres, solver.starts, solver.seed, None, shared=True, room=room)
     order = [_from_best_to_worst(one) for one in solved]
     reached = np.zeros(count, bool)
     numbers: dict[str, Floats] = {}

@@ -80,14 +80,12 @@ class TimeOptimal(Family):
     ) -> tuple[Phase, InitialState]:
         return time_record(scenario, start.time, found.task, found.found, found.arcs)
 
-    def answer_targets(
-        self, scenario: Scenario, targets: Floats, report: Report | None
-    ) -> TargetAnswers | None:
+    def answer_targets(self, scenario: Scenario, targets: Floats) -> TargetAnswers | None:
         # Limits on the way may have to be tightened for each answer by itself.
         task = build_time_task(scenario)
         if task.pointing or task.form.speed_limited:
             return None
-        return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed, report)
+        return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed)
 
     def measure(self, scenario: Scenario) -> str:
         return "final_time_s" if scenario.objective.kind == "minimum-time" else "cost"

@@ -13,7 +13,6 @@ from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight_error import fly_all_until_agreed
 
 _TRIES = 3
@@ -21,7 +20,7 @@ _TRIES = 3
 
 
 def answer_targets(
-    task: ReorientationTask, targets: Floats, starts: int, seed: int, report: Report | None
+    task: ReorientationTask, targets: Floats, starts: int, seed: int
 ) -> TargetAnswers:
     """Answer a turn for many targets q_ob (M, 4), in place of its own.
 
@@ -29,9 +28,7 @@ def answer_targets(
     """
     count = len(targets)
     paths = drawn_starts(task, targets, starts, seed)
-    solution = solve_paths(task, paths, report=report)
-    if report is not None:
-        report("flying the answers", 0)
+    solution = solve_paths(task, paths)
     found = _Flown(task, targets, solution, starts)
     rows = np.arange(count)
     for attempt in range(min(_TRIES, starts)):

@@ -30,6 +30,5 @@ def run_map(
         tell(SAMPLES, store.written(share))
         for chunk in store.pending(share):
             rows = layout.rows(chunk)
-            found = solve_targets(study.scenario, study.targets.q_ob[rows])
+            found = solve_targets(study.scenario, study.targets.q_ob[rows], tell)
             store.write(chunk, {**found.numbers, REACHED_COLUMN: found.reached})
-            tell(SAMPLES, rows.stop - rows.start)

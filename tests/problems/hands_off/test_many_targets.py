@@ -60,7 +60,7 @@ def ends(scenario, found, k):
 def free():
     """A slew that no limit stands in the way of, and answers to its targets."""
     scenario, aimed = slew(), targets(1, 40)
-    return scenario, aimed, family_of(scenario).answer_targets(scenario, aimed, None)
+    return scenario, aimed, family_of(scenario).answer_targets(scenario, aimed)
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def tight():
     """The same with torque limits that bind for most."""
     scenario = slew(**{"vehicle.wheels.torque_limit_Nm": 8e-4})
     aimed = targets(2, 24)
-    return scenario, aimed, family_of(scenario).answer_targets(scenario, aimed, None)
+    return scenario, aimed, family_of(scenario).answer_targets(scenario, aimed)
 
 
 def test_two_intervals_reach_every_target_without_limits(free):
@@ -109,7 +109,7 @@ def test_targets_out_of_reach_are_said_and_spoil_no_other(free):
     scenario = slew(**{"vehicle.wheels.torque_limit_Nm": 4e-5})
     aimed = targets(4, 6)
     aimed[3:] = np.asarray(quaternion.multiply([0.0, 1.0, 0.0, 0.0], aimed[3:]))
-    found = family_of(scenario).answer_targets(scenario, aimed, None)
+    found = family_of(scenario).answer_targets(scenario, aimed)
     assert found.reached[2]
     assert not found.reached.all()
     assert np.isnan(found.numbers["active_intervals"][~found.reached]).all()
@@ -119,14 +119,14 @@ def test_targets_out_of_reach_are_said_and_spoil_no_other(free):
 @pytest.mark.parametrize("intervals", [1, 2])
 def test_hardly_any_intervals_are_no_obstacle_to_say_so(intervals):
     scenario = slew(**{"horizon.intervals": intervals, "vehicle.wheels.torque_limit_Nm": 4e-5})
-    found = family_of(scenario).answer_targets(scenario, targets(6, 4), None)
+    found = family_of(scenario).answer_targets(scenario, targets(6, 4))
     assert not found.reached[[0, 1, 3]].any()
 
 
 def test_answers_do_not_depend_on_their_neighbours(free):
     scenario, aimed, found = free
     some = np.array([7, 2, 0])
-    again = family_of(scenario).answer_targets(scenario, aimed[some], None)
+    again = family_of(scenario).answer_targets(scenario, aimed[some])
     np.testing.assert_allclose(again.controls, found.controls[some], rtol=0, atol=1e-12)
 
 

@@ -16,7 +16,7 @@ def case():
     scenario = scenarios.replace(scenarios.load("hypso1-netpower"), changes)
     q = np.random.default_rng(5).normal(size=(5, 4))
     q /= np.linalg.norm(q, axis=1, keepdims=True)
-    return scenario, q, family_of(scenario).answer_targets(scenario, q, None)
+    return scenario, q, family_of(scenario).answer_targets(scenario, q)
 
 
 def test_every_target_earns_what_it_earns_alone(case):

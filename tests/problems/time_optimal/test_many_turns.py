@@ -26,7 +26,7 @@ def wheels():
     q = rng.normal(size=(10, 4))
     q[0], q[1] = [0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 0.02, 0.01]
     q /= np.linalg.norm(q, axis=1, keepdims=True)
-    return scenario, q, family_of(scenario).answer_targets(scenario, q, None)
+    return scenario, q, family_of(scenario).answer_targets(scenario, q)
 
 
 def test_every_target_is_reached_in_the_time_of_its_own_solve(wheels):
@@ -45,7 +45,7 @@ def test_every_target_is_reached_in_the_time_of_its_own_solve(wheels):
 def test_a_half_turn_takes_its_published_time():
     scenario = turn("minimum-time-180", **{"horizon.intervals": 60, "solver.starts": 16})
     q = np.concatenate([[np.zeros(3)], np.eye(3)]).T
-    found = family_of(scenario).answer_targets(scenario, q, None)
+    found = family_of(scenario).answer_targets(scenario, q)
     assert found.reached.all()
     # Bilimoria and Wie (1993): 3.2431 s about any axis of a sphere.
     np.testing.assert_allclose(found.numbers["final_time_s"], 3.2431, rtol=1e-3)

@@ -12,23 +12,18 @@ from jaxatt.problems.hands_off.targets.search import Rows, search_targets
 from jaxatt.problems.pointing.watch import PathMonitor
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import Report
 from jaxatt.simulation.flight import Trajectory
 from jaxatt.simulation.flight_error import FlightErrors, fly_all_until_agreed
 
 
-def answer_targets(
-    task: SlewTask, targets: Floats, starts: int, seed: int, report: Report | None
-) -> TargetAnswers:
+def answer_targets(task: SlewTask, targets: Floats, starts: int, seed: int) -> TargetAnswers:
     """Answer a slew for many targets q_ob (M, 4), in place of its own.
 
     starts : random ones for every target that two intervals do not reach.
     """
     many = task.aiming_at(targets)
-    found = search_targets(many, starts, seed, report)
+    found = search_targets(many, starts, seed)
     controls = found.controls
-    if report is not None:
-        report("flying the answers", 0)
     flown, flight = _flown(many, controls)
     verdict = many.judge(flown, controls)
     active = many.active(controls).any(axis=2).sum(axis=1)

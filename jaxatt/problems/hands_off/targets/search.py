@@ -31,7 +31,6 @@ from jaxatt.problems.hands_off.search.polish import (
 from jaxatt.problems.hands_off.search.starts import draw
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import Report
 
 Rows = npt.NDArray[np.int64]
 
@@ -47,27 +46,20 @@ class Trials(NamedTuple):
     sign: Floats
 
 
-def search_targets(
-    task: SlewTask, starts: int, seed: int, report: Report | None = None
-) -> Candidates:
+def search_targets(task: SlewTask, starts: int, seed: int) -> Candidates:
     """The best answer to every target of a task, see `SlewTask.aiming_at`; leading axis M.
 
     starts : random ones of each target that takes more than two intervals.
     """
-
-    def method(stage: str) -> Method:
-        progress = None if report is None else lambda done: report(stage, done)
-        return Method("l0", progress=progress)
-
-    best = _pairs(task, method("trying pairs of intervals"))
+    method = Method("l0")
+    best = _pairs(task, method)
     left = np.flatnonzero(~best.verdict.reached)
     if len(left):
-        bursts = _bursts(task.pick(left), method("trying bursts at both ends"))
+        bursts = _bursts(task.pick(left), method)
         best = best if bursts is None else _better_of(best, left, bursts)
     left = np.flatnonzero(~best.verdict.reached | (best.rank[:, 1] > _PAIR))
     if len(left) and starts:
-        deciding = method("deciding which intervals are active")
-        best = _better_of(best, left, _random(task.pick(left), starts, seed, deciding))
+        best = _better_of(best, left, _random(task.pick(left), starts, seed, method))
     return best
 
 
