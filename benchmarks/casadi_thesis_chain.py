@@ -34,7 +34,6 @@ import numpy.typing as npt
 from benchmarks.attempts import Attempt, Solve
 from benchmarks.casadi_compiled import compiled_solver
 from benchmarks.cases import scenario_of
-from jaxatt.environment import kepler
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.pd_flight import fly_pd
 from jaxatt.problems.hands_off.slew.task import SlewTask
@@ -76,10 +75,10 @@ class Chain:
         assert isinstance(task, SlewTask)
         self.task, self.craft = task, task.craft
         around = surroundings_of(scenario)
-        position, velocity = kepler.to_state(around.elements, around.mu)
+        position, velocity, _ = around.motion.at(np.zeros(()))
         radius = float(np.linalg.norm(position))
         self.orbit_start = np.concatenate([position, velocity]) / radius
-        self.mu = float(around.mu) / radius**3
+        self.mu = float(around.motion.mu) / radius**3
         begin = task.start
         self.attitude_start = np.concatenate([begin.q_ob, begin.omega_ib, begin.omega_bw])
         self.size = len(self.attitude_start) + 6

@@ -12,9 +12,10 @@ from jax import Array
 
 from jaxatt.attitude.components import Quaternion, Scalar, Vector
 from jaxatt.attitude.vectors import matvec
-from jaxatt.environment import epoch, frames, igrf, kepler, orbit, sun
+from jaxatt.environment import epoch, frames, igrf, sun
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.environment.light import Light, sunlight
+from jaxatt.environment.motion import Motion
 from jaxatt.environment.precession import earth_fixed
 from jaxatt.environment.sinusoidal import sinusoidal_torque
 
@@ -27,15 +28,14 @@ _BLOCK = 8192  # instants of one evaluation
 class OrbitTask:
     """Orbit, epoch and disturbances from which the environment is tabulated.
 
-    elements : at time zero, in inertial axes (J2000).  mu : [m^3/s^2].
+    motion : along the orbit, in inertial axes (J2000).
     days : epoch of time zero, days since J2000.
     field : coefficients at the epoch, None where no magnetism acts.
     sun : (3,), fixed unit vector to an always shining sun, as Kristiansen (2023) has it; None for
     the true one with eclipses.  sine : () [N m] and frequency : () [rad/s] of the known sine.
     """
 
-    elements: kepler.KeplerianElements
-    mu: Array | float
+    motion: Motion
     days: Array | float
     field: igrf.MagneticModel | None = None
     sun: Array | None = None
@@ -73,8 +73,8 @@ def evaluate(
     light : gives sun and light, for panels and for solar pressure.  width : [rad], of the edges of
     its shadow, as in `lit_share`; 0 is exact.
     """
-    start = kepler.to_state(task.elements, task.mu)
-    r_i, v_i = orbit.propagate(*start, times, task.mu)
+    here = task.motion.at(times)
+    r_i, v_i = here.position, here.velocity
     radius = jnp.linalg.norm(r_i, axis=-1)
     days = task.days + times / epoch.SECONDS_PER_DAY
     field = None if task.field is None else Vector.of(_field(task.field, r_i, days))
@@ -91,7 +91,7 @@ def evaluate(
     drag = torques.drag
     along = Along(
         down=Vector.of(-r_i / radius[:, None]) if tidal else None,
-        gradient=3.0 * task.mu / radius**3 if tidal else None,
+        gradient=3.0 * task.motion.mu / radius**3 if tidal else None,
         air_speed=None if drag is None else drag.air_speed(Vector.of(r_i), Vector.of(v_i)),
         sun=to_sun,
         light=share,
@@ -100,7 +100,7 @@ def evaluate(
     )
     nodes = Nodes(
         Quaternion.of(frames.quaternion_io(r_i, v_i)),
-        Vector.of(frames.omega_io(r_i, v_i)),
+        Vector.of(frames.omega_io(*here)),
         field,
     )
     return along, nodes

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from jaxatt.environment import epoch, kepler, orbit
+from jaxatt.environment import epoch
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.light import Light, to_sun
 from jaxatt.runtime.arrays import Floats
@@ -56,7 +56,7 @@ def eclipses(
 def _depths(task: OrbitTask, light: Light, times: Array) -> Array:
     """Angles (n, 2) [rad] into penumbra and umbra, positive inside."""
     assert light.shadow is not None
-    r_i, _ = orbit.propagate(*kepler.to_state(task.elements, task.mu), times, task.mu)
+    r_i = task.motion.at(times).position
     days = task.days + times / epoch.SECONDS_PER_DAY
     seen = light.shadow.disks(r_i, to_sun(light, r_i, days))
     return jnp.stack([seen.into_penumbra, seen.into_umbra], axis=-1)

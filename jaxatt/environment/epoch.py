@@ -43,6 +43,12 @@ def days_since_j2000(moment: dt.datetime) -> float:
     return (moment - J2000).total_seconds() / SECONDS_PER_DAY
 
 
+def moment_text(days: float) -> str:
+    """Moment of some days since J2000 as text, to the second, such as 2026-06-21T12:00:00Z."""
+    moment = J2000 + dt.timedelta(days=days, seconds=0.5)
+    return f"{moment:%Y-%m-%dT%H:%M:%SZ}"
+
+
 def terrestrial(days: jax.Array) -> jax.Array:
     """Days (...) of Terrestrial Time since J2000, by which planets move; days (...) in UTC.
 

@@ -39,21 +39,30 @@ def quaternion_io(r_i: ArrayLike, v_i: ArrayLike) -> jax.Array:
     return quaternion.from_matrix(matrix_io(r_i, v_i))
 
 
-def omega_io(r_i: ArrayLike, v_i: ArrayLike) -> jax.Array:
-    """Rate of the orbit frame relative to inertial, in orbit axes: (0, -|r x v| / |r|^2, 0).
+def omega_io(r_i: ArrayLike, v_i: ArrayLike, acceleration: ArrayLike | None = None) -> jax.Array:
+    """Rate of the orbit frame relative to inertial, in orbit axes.
 
-    Schaanning (2021), eq. (4.4); on a two-body orbit, whose plane does not turn.
+    (0, -|r x v| / |r|^2, 0) on a two-body orbit, whose plane does not turn; Schaanning (2021),
+    eq. (4.4).  What pushes across the plane turns it about the position: with a_n along the normal
+    the third component is -|r| a_n / |r x v|.
 
     Parameters
     ----------
     r_i : (..., 3) [m]
     v_i : (..., 3) [m/s]
+    acceleration : (..., 3) [m/s^2]
+        None where it lies in the plane.
 
     Returns
     -------
     (..., 3) [rad/s]
     """
     r_i, v_i = broadcast_batch(r_i, v_i)
-    momentum = cross(r_i, v_i)
-    rate = -jnp.sqrt(dot(momentum, momentum)) / dot(r_i, r_i)
-    return jnp.stack([jnp.zeros_like(rate), rate, jnp.zeros_like(rate)], axis=-1)
+    momentum, squared = cross(r_i, v_i), dot(r_i, r_i)
+    size = jnp.sqrt(dot(momentum, momentum))
+    rate = -size / squared
+    turning = jnp.zeros_like(rate)
+    if acceleration is not None:
+        momentum, acceleration = broadcast_batch(momentum, acceleration)
+        turning = -jnp.sqrt(squared) * dot(acceleration, momentum) / size**2
+    return jnp.stack([jnp.zeros_like(rate), rate, turning], axis=-1)

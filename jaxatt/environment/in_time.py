@@ -35,7 +35,7 @@ class Moment(NamedTuple):
     position : [m], sun : unit vector to the sun, and field : [T] or None, in inertial axes.
     disks : of sun and Earth as they are seen.
     q_io : attitude of the orbit frame, a unit quaternion of continuous sign.
-    orbit_rate : () [rad/s], its rate about its own y axis, negative.
+    orbit_rate : [rad/s], its rate in inertial axes.
     gradient : () [1/s^2], 3 mu / r^3.
     """
 
@@ -44,7 +44,7 @@ class Moment(NamedTuple):
     field: Vector | None
     disks: Disks
     q_io: Quaternion
-    orbit_rate: Array
+    orbit_rate: Vector
     gradient: Array
 
 
@@ -54,7 +54,7 @@ class EnvironmentInTime:
     """Environment as a function of time [s] since the epoch of the orbit; make with `in_time`.
 
     lit : sun, disks of sun and Earth and, where there is one, field.
-    moving : q_io, its rate and position.
+    moving : q_io, its rate in inertial axes, and position.
     mu : () [m^3/s^2].  magnetic : whether there is a field.
     """
 
@@ -67,8 +67,8 @@ class EnvironmentInTime:
         """Environment at a time () [s]."""
         lit, moving = self.lit.at(time), self.moving.at(time)
         x, y, z, own, earth, apart, *field = (lit[i] for i in range(lit.shape[0]))
-        eta, i, j, k, rate, *place = (moving[i] for i in range(moving.shape[0]))
-        position = Vector(*place)
+        eta, i, j, k, *parts = (moving[i] for i in range(moving.shape[0]))
+        rate, position = Vector(*parts[:3]), Vector(*parts[3:])
         return Moment(
             position=position,
             sun=Vector(x, y, z),
@@ -94,7 +94,7 @@ def in_time(
     return EnvironmentInTime(
         interpolate(lit, first, last, step),
         interpolate(moving, first, last, step),
-        orbit.mu,
+        orbit.motion.mu,
         orbit.field is not None,
     )
 
@@ -103,13 +103,13 @@ def _evaluate(orbit: OrbitTask, light: Light, times: Array) -> tuple[Array, Arra
     """Channels (n, c) of the two tables, in the order that `EnvironmentInTime.at` reads."""
     along, nodes = evaluate(orbit, ExternalTorques(), True, times, light)
     assert along.down is not None and along.gradient is not None and along.sun is not None
-    position = -jnp.cbrt(3.0 * orbit.mu / along.gradient)[:, None] * along.down.array
+    position = -jnp.cbrt(3.0 * orbit.motion.mu / along.gradient)[:, None] * along.down.array
     days = orbit.days + times / epoch.SECONDS_PER_DAY
     seen = (light.shadow or Shadow()).disks(position, to_sun(light, position, days))
     lit = [along.sun.array, jnp.stack(seen, axis=1)]
     if nodes.field is not None:
         lit.append(nodes.field.array)
-    moving = [nodes.attitude.array, nodes.rate.array[:, 1:2], position]
+    moving = [nodes.attitude.array, nodes.attitude.rotate(nodes.rate).array, position]
     return jnp.concatenate(lit, axis=1), jnp.concatenate(moving, axis=1)
 
 

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 from jaxatt.environment.epoch import DAYS_PER_CENTURY
 
@@ -17,19 +18,64 @@ class Nutation(NamedTuple):
     obliquity: jax.Array
 
 
-def nutation(days: jax.Array) -> Nutation:
-    """Nutation at a date by its four largest terms, within 0.5 arcsec; days (...) since J2000.
+_ARGUMENTS = np.array(
+    [
+        (485868.249036, 1717915923.2178),
+        (1287104.79305, 129596581.0481),
+        (335779.526232, 1739527262.8478),
+        (1072260.70369, 1602961601.2090),
+        (450160.398036, -6962890.5431),
+    ]
+)
+"""[arcsec] At J2000 and in a century: mean anomalies of moon and sun, the moon's argument of
+latitude, its elongation and its node."""
 
-    Source: Meeus (1998), "Astronomical Algorithms", chapter 22.
+# Multiples of the arguments; amplitudes [arcsec] of the sine in longitude, the cosine in obliquity.
+_TERMS = np.array(
+    [
+        (0, 0, 0, 0, 1, -17.2064161, 9.2052331),
+        (0, 0, 2, -2, 2, -1.3170906, 0.5730336),
+        (0, 0, 2, 0, 2, -0.2276413, 0.0978459),
+        (0, 0, 0, 0, 2, 0.2074554, -0.0897492),
+        (0, 1, 0, 0, 0, 0.1475877, 0.0073871),
+        (0, 1, 2, -2, 2, -0.0516821, 0.0224386),
+        (1, 0, 0, 0, 0, 0.0711159, -0.0006750),
+        (0, 0, 2, 0, 1, -0.0387298, 0.0200728),
+        (1, 0, 2, 0, 2, -0.0301461, 0.0129025),
+        (0, -1, 2, -2, 2, 0.0215829, -0.0095929),
+        (-1, 0, 0, 2, 0, 0.0156994, -0.0001235),
+        (0, 0, 2, -2, 1, 0.0128227, -0.0068982),
+        (-1, 0, 2, 0, 2, 0.0123457, -0.0053311),
+        (0, 0, 0, 2, 0, 0.0063384, -0.0001220),
+        (1, 0, 0, 0, 1, 0.0063110, -0.0033228),
+        (-1, 0, 2, 2, 2, -0.0059641, 0.0025543),
+        (-1, 0, 0, 0, 1, -0.0057976, 0.0031429),
+        (1, 0, 2, 0, 1, -0.0051613, 0.0026366),
+    ]
+)
+_IN_TIME = (-0.0174666, 0.0009086)
+"""[arcsec] By which the amplitudes of the first term change in a century."""
+
+
+def nutation(days: jax.Array) -> Nutation:
+    """Nutation at a date by its largest terms, within 0.05 arcsec; days (...) since J2000.
+
+    Source: IAU 2000A in the IERS conventions (2010), tables 5.3, its terms above 0.005 arcsec.
     """
     t = days / DAYS_PER_CENTURY
-    node = jnp.deg2rad(125.04452 - 1934.136261 * t)
-    sun = 2.0 * jnp.deg2rad(280.4665 + 36000.7698 * t)
-    moon = 2.0 * jnp.deg2rad(218.3165 + 481267.8813 * t)
-    across = -17.20 * jnp.sin(node) - 1.32 * jnp.sin(sun) - 0.23 * jnp.sin(moon)
-    along = 9.20 * jnp.cos(node) + 0.57 * jnp.cos(sun) + 0.10 * jnp.cos(moon)
+    arguments = [arcsec(at + rate * t) for at, rate in _ARGUMENTS.tolist()]
+
+    def wave(multiples: jax.Array, sine: jax.Array, cosine: jax.Array) -> jax.Array:
+        angle = sum((n * a for n, a in zip(multiples, arguments, strict=True)), jnp.zeros_like(t))
+        return jnp.stack([sine * jnp.sin(angle), cosine * jnp.cos(angle)])
+
+    terms = (jnp.asarray(part) for part in (_TERMS[:, :5], _TERMS[:, 5], _TERMS[:, 6]))
+    waves = jax.vmap(wave)(*terms)
+    along, across = jnp.sum(waves, axis=0)
+    node = arguments[-1]
     return Nutation(
-        arcsec(across + 0.21 * jnp.sin(2.0 * node)), arcsec(along - 0.09 * jnp.cos(2.0 * node))
+        arcsec(along + _IN_TIME[0] * t * jnp.sin(node)),
+        arcsec(across + _IN_TIME[1] * t * jnp.cos(node)),
     )
 
 

@@ -13,7 +13,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.environment import frames, kepler, orbit
+from jaxatt.environment import frames
+from jaxatt.environment.motion import Motion
 from jaxatt.environment.sinusoidal import sinusoidal_torque
 from jaxatt.runtime.settings import RUNS_ONCE
 
@@ -55,33 +56,31 @@ class EnvironmentTable:
 class Surroundings:
     """Orbit and known disturbances of a manoeuvre.
 
-    elements : Keplerian elements at time zero; None where attitudes refer to the inertial frame,
-        which then stands for the orbit frame.  mu : () [m^3/s^2].
+    motion : along the orbit; None where attitudes refer to the inertial frame, which then stands
+        for the orbit frame.
     gravity_gradient : () 0 or 1, whether the gravity gradient torque acts (4.11).
     sine_amplitude : () [N m] and sine_frequency : () [rad/s] of the sinusoidal torque (4.12).
     """
 
-    elements: kepler.KeplerianElements | None
-    mu: Array
+    motion: Motion | None
     gravity_gradient: Array
     sine_amplitude: Array
     sine_frequency: Array
 
 
 def environment_at(surroundings: Surroundings, time: Array) -> Environment:
-    """Environment at the given times, `time` of any shape [s] after the epoch of the elements."""
+    """Environment at the given times, `time` of any shape [s] after time zero."""
     sine = sinusoidal_torque(time, surroundings.sine_amplitude, surroundings.sine_frequency)
-    if surroundings.elements is None:
+    if surroundings.motion is None:
         still = jnp.zeros_like(sine)
         upright = jnp.concatenate([jnp.ones_like(sine[..., :1]), still], axis=-1)
         return Environment(still, upright, still[..., 0], sine)
-    position, velocity = kepler.to_state(surroundings.elements, surroundings.mu)
-    position, velocity = orbit.propagate(position, velocity, time, surroundings.mu)
-    radius = jnp.linalg.norm(position, axis=-1)
+    here = surroundings.motion.at(time)
+    radius = jnp.linalg.norm(here.position, axis=-1)
     return Environment(
-        frames.omega_io(position, velocity),
-        frames.quaternion_io(position, velocity),
-        surroundings.gravity_gradient * 3.0 * surroundings.mu / radius**3,
+        frames.omega_io(*here),
+        frames.quaternion_io(here.position, here.velocity),
+        surroundings.gravity_gradient * 3.0 * surroundings.motion.mu / radius**3,
         sine,
     )
 

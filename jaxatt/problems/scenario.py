@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from jaxatt.environment.ephemeris import Ephemeris
+from jaxatt.environment.orbit_data.path import OrbitPath
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.runtime.arrays import Floats
@@ -18,9 +20,11 @@ SPACECRAFT = "spacecraft"
 
 @dataclass(frozen=True)
 class Orbit:
-    """Keplerian elements at the start: [m], [1], [rad], [rad], [rad], [rad], [m^3/s^2].
+    """Osculating Keplerian elements at the start: [m], [1], four times [rad], [m^3/s^2].
 
     days : the start, days since J2000; None where nothing asks for the date.
+    path : what the host knows of an orbit that is no ellipse: a file's or a perturbed one.
+    motion : that orbit, sampled for as long as the scenario takes.
     """
 
     semi_major_axis: float
@@ -31,6 +35,8 @@ class Orbit:
     true_anomaly: float
     gravitational_parameter: float
     days: float | None = None
+    path: OrbitPath | None = field(default=None, compare=False, repr=False)
+    motion: Ephemeris | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import jax.numpy as jnp
 
-from jaxatt.environment import MU_EARTH, KeplerianElements
+from jaxatt.environment import KeplerianElements
+from jaxatt.environment.motion import Motion, TwoBody
 from jaxatt.environment.table import Surroundings
 from jaxatt.problems.scenario import Orbit, Scenario
 
 
 def elements_of(orbit: Orbit) -> KeplerianElements:
-    """Keplerian elements at time zero."""
+    """Osculating Keplerian elements at time zero."""
     return KeplerianElements(
         *(
             jnp.asarray(value)
@@ -26,12 +27,16 @@ def elements_of(orbit: Orbit) -> KeplerianElements:
     )
 
 
+def motion_of(orbit: Orbit) -> Motion:
+    """Motion along an orbit, from time zero on: sampled, or an ellipse."""
+    return orbit.motion or TwoBody(elements_of(orbit), jnp.asarray(orbit.gravitational_parameter))
+
+
 def surroundings_of(scenario: Scenario) -> Surroundings:
     """Orbit and known disturbances of a spacecraft's scenario."""
     orbit, disturbances = scenario.orbit, scenario.disturbances
     return Surroundings(
-        None if orbit is None else elements_of(orbit),
-        jnp.asarray(MU_EARTH if orbit is None else orbit.gravitational_parameter),
+        None if orbit is None else motion_of(orbit),
         jnp.asarray(float(disturbances.gravity_gradient)),
         jnp.asarray(disturbances.sinusoidal_torque),
         jnp.asarray(disturbances.sinusoidal_frequency),

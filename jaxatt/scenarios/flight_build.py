@@ -14,7 +14,7 @@ from jaxatt.environment import epoch, igrf
 from jaxatt.environment.along_orbit import Nodes, OrbitTask, inertial_nodes, tabulate
 from jaxatt.environment.external import Along
 from jaxatt.problems.reading.dates import moment_of
-from jaxatt.problems.surroundings import elements_of
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Start
 from jaxatt.simulation.closed_loop import Flight, Noise, Reference
@@ -82,8 +82,7 @@ def _surroundings(scenario: FlightScenario, count: int, steps: int) -> tuple[Alo
         if around.torques.magnetic or scenario.dumping is not None:
             field = igrf.at_year(epoch.decimal_year(moment_of(days)))
     task = OrbitTask(
-        elements_of(around.orbit),
-        jnp.asarray(around.orbit.gravitational_parameter),
+        motion_of(around.orbit),
         jnp.asarray(days),
         field,
         None if around.sun is None else jnp.asarray(around.sun),

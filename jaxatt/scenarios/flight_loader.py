@@ -7,11 +7,12 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.reading import manoeuvre, settings
-from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch
+from jaxatt.problems.reading import manoeuvre
+from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch, read_epoch
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.names import check_folder_name, read_name
+from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.printed import read_printed
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.scenarios import flight_tables
@@ -41,11 +42,18 @@ def flight_from_mapping(
             )
     notes: list[str] = []
     vehicle = read_vehicle(data["vehicle"], origin, folder, notes)
-    orbit = settings.read_orbit(data["orbit"], origin) if "orbit" in data else None
-    if orbit is not None and orbit.days is not None:
-        raise ScenarioError(
-            f"{origin}: [orbit] epoch: a flight has it under [environment]; move it"
-        )
+    surroundings = Table(
+        data.get("environment", {}), origin, "[environment]", FLIGHT_TABLES["environment"]
+    )
+    timing = flight_tables.read_timing(data["simulation"], origin)
+    orbit = None
+    if "orbit" in data:
+        orbit = read_orbit(data["orbit"], origin, folder, notes, read_epoch(surroundings))
+        if "epoch" in data["orbit"]:
+            raise ScenarioError(
+                f"{origin}: [orbit] epoch: a flight has it under [environment]; move it"
+            )
+        orbit = covering(orbit, data["orbit"], origin, timing.duration)
     around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
     initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes)
     asked = flight_tables.read_reference(data.get("reference", {}), origin, initial, notes)
@@ -60,7 +68,6 @@ def flight_from_mapping(
         check_folder_name(top, "laws", name, "results/NAME/LAW")
     laws = {name: read_law(law, origin, name, vehicle) for name, law in tables.items()}
     spread, runs, seed = flight_tables.read_campaign(data.get("campaign", {}), origin)
-    timing = flight_tables.read_timing(data["simulation"], origin)
     needs = {}
     if dumping is not None:
         needs[MAGNETIC_FIELD] = "[dumping]"
@@ -69,9 +76,6 @@ def flight_from_mapping(
         needs[MAGNETIC_FIELD] = "eddy_coefficient" if eddy else "residual_dipole_Am2"
     if around.torques.solar_pressure is not None and around.sun is None:
         needs[SUNLIGHT] = "solar_pressure without sun_direction"
-    surroundings = Table(
-        data.get("environment", {}), origin, "[environment]", FLIGHT_TABLES["environment"]
-    )
     check_epoch(surroundings, around.days, timing.duration, needs)
     return FlightScenario(
         name=read_name(top),

@@ -73,7 +73,7 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
         sun = sun / np.linalg.norm(sun)
     return Surroundings(
         orbit,
-        read_epoch(table),
+        read_epoch(table) if orbit is None else orbit.days,
         table.flag("gravity_gradient"),
         table.number("sinusoidal_torque_Nm", 0.0),
         table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),

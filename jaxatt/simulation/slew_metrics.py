@@ -10,7 +10,8 @@ from jax.typing import ArrayLike
 
 from jaxatt.attitude import errors, quaternion
 from jaxatt.attitude.vectors import matvec
-from jaxatt.environment import ellipsoid, epoch, frames, kepler, orbit
+from jaxatt.environment import ellipsoid, epoch, frames
+from jaxatt.environment.motion import Motion
 from jaxatt.environment.precession import earth_fixed
 
 
@@ -34,8 +35,7 @@ def quaternion_accuracy(q: ArrayLike, q_ref: ArrayLike) -> tuple[jax.Array, jax.
 
 
 def footprints(
-    elements: kepler.KeplerianElements,
-    mu: ArrayLike,
+    motion: Motion,
     days: ArrayLike,
     times: ArrayLike,
     q_ob: ArrayLike,
@@ -43,11 +43,11 @@ def footprints(
 ) -> jax.Array:
     """Ground points (T, 3) [m] in the camera's line of sight, Earth-fixed on the WGS 84 ellipsoid.
 
-    days : epoch of the elements, since J2000.  times : (T,) [s] after it.
+    days : time zero of the motion, since J2000.  times : (T,) [s] after it.
     q_ob : (T, 4).  boresight : (3,), in body axes.
     """
     times = jnp.asarray(times)
-    r_i, v_i = orbit.propagate(*kepler.to_state(elements, mu), times, mu)
+    r_i, v_i, _ = motion.at(times)
     q_ib = quaternion.multiply(frames.quaternion_io(r_i, v_i), q_ob)
     looking = quaternion.rotate(q_ib, jnp.broadcast_to(jnp.asarray(boresight), r_i.shape))
     turn = earth_fixed(jnp.asarray(days) + times / epoch.SECONDS_PER_DAY)

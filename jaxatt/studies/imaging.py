@@ -21,6 +21,7 @@ from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_text
 from jaxatt.environment import epoch, kepler, orbit
 from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
+from jaxatt.environment.motion import TwoBody
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import Table
 from jaxatt.runtime.arrays import Floats
@@ -210,14 +211,19 @@ class _Case:
         begun = quaternion.from_axis_angle(jnp.array([0.0, 1.0, 0.0]), jnp.asarray(self.first))
         q_ob, rate = (begun, self.rate) if slewing else (jnp.asarray(self.nadir), np.zeros(3))
         found = _between(
-            elements, jnp.asarray(self.days), first, jnp.asarray(1.0 / frame_rate), q_ob, rate
+            TwoBody(elements, jnp.asarray(orbit.MU_EARTH)),
+            jnp.asarray(self.days),
+            first,
+            jnp.asarray(1.0 / frame_rate),
+            q_ob,
+            rate,
         )
         return np.asarray(found), first
 
 
 @jax.jit
 def _between(
-    elements: kepler.KeplerianElements,
+    motion: TwoBody,
     days: jax.Array,
     first: jax.Array,
     period: jax.Array,
@@ -229,6 +235,6 @@ def _between(
     def at(times: jax.Array) -> jax.Array:
         turned = quaternion.from_rotation_vector(jnp.outer(times, rate))
         q_ob = quaternion.multiply(start, turned)
-        return footprints(elements, orbit.MU_EARTH, days, times, q_ob)
+        return footprints(motion, days, times, q_ob)
 
     return sampling_distance(jnp.stack([at(first), at(first + period)]))[0]

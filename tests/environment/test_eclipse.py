@@ -16,6 +16,7 @@ from jaxatt.environment.eclipse import Shadow, lit_share
 from jaxatt.environment.eclipse_times import eclipses
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.light import Light, sunlight
+from jaxatt.environment.motion import TwoBody
 
 MU = 3.986e14
 SHADOW = Shadow()
@@ -24,8 +25,7 @@ ELEMENTS = kepler.KeplerianElements(
     *(jnp.asarray(v) for v in (6898e3, 0.000713, *np.deg2rad([97.427, 215.365, 83.564, 34.004])))
 )
 TASK = OrbitTask(
-    ELEMENTS,
-    jnp.asarray(MU),
+    TwoBody(ELEMENTS, jnp.asarray(MU)),
     jnp.asarray(epoch.days_since_j2000(dt.datetime(2022, 4, 1, tzinfo=dt.UTC))),
 )
 share = jax.jit(lit_share)
@@ -182,7 +182,7 @@ def test_seconds_in_the_penumbra_of_chapter_5():
     degrees = np.deg2rad([97.439, 139.3136, 33.7547, 54.0])
     elements = kepler.KeplerianElements(*(jnp.asarray(v) for v in (6905.1e3, 0.0007757, *degrees)))
     fixed_sun = 1.4959987e11 * np.array([0.8944, 0.0, 0.4472])
-    task = OrbitTask(elements, TASK.mu, jnp.asarray(0.0))
+    task = OrbitTask(TwoBody(elements, jnp.asarray(MU)), jnp.asarray(0.0))
     (found,) = eclipses(task, Light(1361.0, fixed_sun, SHADOW), 0.0, 5580.0)
     both = found.umbra_entry - found.penumbra_entry + found.penumbra_exit - found.umbra_exit
     assert both == pytest.approx(20.0, abs=1.0)

@@ -10,6 +10,7 @@ import pytest
 from jaxatt.environment import epoch, igrf, kepler, orbit
 from jaxatt.environment.along_orbit import OrbitTask, evaluate
 from jaxatt.environment.external import ExternalTorques
+from jaxatt.environment.motion import TwoBody
 from jaxatt.environment.precession import earth_fixed
 
 field = jax.jit(igrf.field)
@@ -55,7 +56,7 @@ def test_field_agrees_with_ppigrf_over_a_day_of_orbit():
     )
     times = jnp.arange(0.0, 86400.0, 60.0)
     days = epoch.days_since_j2000(moment)
-    task = OrbitTask(elements, 3.986e14, days, model(moment))
+    task = OrbitTask(TwoBody(elements, 3.986e14), days, model(moment))
     along, nodes = jax.jit(evaluate, static_argnames="tidal")(task, ExternalTorques(), False, times)
     inertial = 1e9 * np.asarray(along.field.array)
     turn = np.asarray(earth_fixed(days + times / 86400.0))

@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.environment import KeplerianElements
+from jaxatt.environment.motion import TwoBody
 from jaxatt.environment.table import Surroundings
 from jaxatt.spacecraft import create, reaction_wheels
 
@@ -16,8 +17,10 @@ def craft(body, torque_limit=5e-3, speed_limit=np.inf):
 
 def surroundings(space):
     return Surroundings(
-        KeplerianElements(*(jnp.asarray(value) for value in space.elements)),
-        jnp.asarray(space.mu),
+        TwoBody(
+            KeplerianElements(*(jnp.asarray(value) for value in space.elements)),
+            jnp.asarray(space.mu),
+        ),
         jnp.asarray(float(space.gravity_gradient)),
         jnp.asarray(space.sine_amplitude),
         jnp.asarray(space.sine_frequency),

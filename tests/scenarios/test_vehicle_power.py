@@ -7,7 +7,7 @@ import pytest
 
 from jaxatt.environment.eclipse import Shadow
 from jaxatt.problems.reading.light import read_light
-from jaxatt.problems.reading.settings import read_orbit
+from jaxatt.problems.reading.orbit import read_orbit
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.scenarios import ScenarioError, load_vehicle, vehicle_names
 
@@ -142,7 +142,7 @@ def test_magnetorquers_alone_fly_only_where_that_is_allowed():
 
 
 def test_light_by_default_and_in_full():
-    orbit = read_orbit(ORBIT, "sat.toml")
+    orbit = read_orbit(ORBIT, "sat.toml", None, [])
     light = read_light({}, "sat.toml", orbit)
     assert light.sun is None and light.irradiance == 1361.0
     assert light.shadow is not None and light.shadow.penumbra == 0.2
@@ -178,6 +178,6 @@ def test_light_by_default_and_in_full():
     ],
 )
 def test_bad_light_is_refused(data, orbit, words):
-    around = read_orbit(ORBIT, "sat.toml") if orbit else None
+    around = read_orbit(ORBIT, "sat.toml", None, []) if orbit else None
     with pytest.raises(ScenarioError, match=words):
         read_light(data, "sat.toml", around)

@@ -16,7 +16,7 @@ from jaxatt.spacecraft import create, reaction_wheels, thrusters
 from jaxatt.spacecraft.dynamics import AttitudeState
 
 STEP, COUNT, COAST = 0.7, 6, 2
-STILL = Surroundings(None, jnp.asarray(1.0), jnp.asarray(0.0), jnp.asarray(0.0), jnp.asarray(1.0))
+STILL = Surroundings(None, jnp.asarray(0.0), jnp.asarray(0.0), jnp.asarray(1.0))
 TABLE = tabulate(STILL, 0.0, STEP, COUNT + COAST, 20)
 _fly = jax.jit(fly_pulses)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.environment import frames, kepler, orbit
+from jaxatt.environment import frames
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.pose import Pose, product
@@ -14,8 +14,9 @@ from jaxatt.runtime.arrays import Floats
 
 def orbit_frame(flown: OrbitTask, time: float) -> Pose:
     """Attitude q_io, and rate omega_io in orbit axes, of the orbit frame at a time [s]."""
-    r_i, v_i = orbit.propagate(*kepler.to_state(flown.elements, flown.mu), jnp.asarray(time))
-    return Pose(np.asarray(frames.quaternion_io(r_i, v_i)), np.asarray(frames.omega_io(r_i, v_i)))
+    here = flown.motion.at(jnp.asarray(time))
+    q_io = frames.quaternion_io(here.position, here.velocity)
+    return Pose(np.asarray(q_io), np.asarray(frames.omega_io(*here)))
 
 
 def rotated_back(q: Floats, v: Floats) -> Floats:

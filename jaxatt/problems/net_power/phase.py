@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.attitude import quaternion
-from jaxatt.environment import frames, kepler, orbit
+from jaxatt.environment import frames
 from jaxatt.environment.eclipse_times import Eclipse, eclipses
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
@@ -84,11 +84,10 @@ def _relative(satellite: Satellite, times: Any, q_ib: Floats) -> tuple[Floats, F
     around = satellite.orbit
     if around is None:
         return q_ib, np.zeros((len(q_ib), 3))
-    state = kepler.to_state(around.elements, around.mu)
-    r_i, v_i = orbit.propagate(*state, jnp.asarray(times), around.mu)
-    q_io = frames.quaternion_io(r_i, v_i)
+    here = around.motion.at(jnp.asarray(times))
+    q_io = frames.quaternion_io(here.position, here.velocity)
     q_ob = quaternion.multiply(quaternion.conjugate(q_io), jnp.asarray(q_ib))
-    rate = quaternion.rotate_inverse(q_ob, frames.omega_io(r_i, v_i))
+    rate = quaternion.rotate_inverse(q_ob, frames.omega_io(*here))
     return np.asarray(q_ob), np.asarray(rate)
 
 

@@ -100,6 +100,13 @@ VEHICLE_FILE_KEYS = (
 SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": ("use", "file", *VEHICLE_FILE_KEYS),
     "orbit": (
+        "tle",
+        "tle_file",
+        "omm_file",
+        "oem_file",
+        "object",
+        "perturbations",
+        "elements",
         "semi_major_axis_km",
         "eccentricity",
         "inclination_deg",

@@ -371,4 +371,4 @@ class ReorientationTask:
 
 
 # NumPy, not JAX: an array made at import would start the backend before `configure` has set it up.
-_INERTIAL = Surroundings(None, *(np.asarray(x) for x in (1.0, 0.0, 0.0, 0.0)))  # type: ignore[arg-type]
+_INERTIAL = Surroundings(None, *(np.asarray(x) for x in (0.0, 0.0, 0.0)))  # type: ignore[arg-type]

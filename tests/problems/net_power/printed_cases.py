@@ -13,6 +13,7 @@ from jaxatt.environment.eddy_currents import EddyCurrents
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.kepler import KeplerianElements
 from jaxatt.environment.light import Light
+from jaxatt.environment.motion import TwoBody
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.problems.net_power.manoeuvre import (
     End,
@@ -59,7 +60,9 @@ def hypso2(gain: float = 5.0, penumbra: float | None = 0.2) -> Satellite:
     degrees = np.deg2rad([97.439, 139.3136, 213.7547 - 180.0, 54.0])
     elements = KeplerianElements(*map(np.asarray, (6905.1e3, 0.0007757, *degrees)))
     orbit = OrbitTask(
-        elements, 3.986e14, epoch.days_since_j2000(moment), igrf.at_year(epoch.decimal_year(moment))
+        TwoBody(elements, 3.986e14),
+        epoch.days_since_j2000(moment),
+        igrf.at_year(epoch.decimal_year(moment)),
     )
     return Satellite(
         load_vehicle("hypso2"),

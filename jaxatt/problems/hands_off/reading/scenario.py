@@ -14,10 +14,11 @@ from jaxatt.problems.reading.dates import SUNLIGHT, check_epoch
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.moments import moments_of
+from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Control, Scenario
+from jaxatt.problems.scenario import Control, Horizon, Scenario
 from jaxatt.spacecraft import Spacecraft
 
 QUANTISATIONS = ("pulse-width", "interval", "none")
@@ -53,7 +54,10 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
             "start from (only vehicles with thrusters and turns in minimum time may do without, in "
             "the inertial frame)"
         )
-    orbit = settings.read_orbit(document["orbit"], origin) if "orbit" in document else None
+    orbit = None
+    if "orbit" in document:
+        orbit = read_orbit(document["orbit"], origin, folder, notes)
+        orbit = covering(orbit, document["orbit"], origin, _length(horizon, len(targets)))
     disturbances = settings.read_disturbances(document.get("disturbances", {}), origin, horizon)
     if disturbances.gravity_gradient and orbit is None:
         raise ScenarioError(
@@ -89,6 +93,12 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario
+
+
+def _length(horizon: Horizon, phases: int) -> float:
+    """Longest time [s] that all phases take, with the flight after the end."""
+    longest = horizon.longest if horizon.free else horizon.duration
+    return longest * (phases + horizon.coast_intervals / horizon.intervals)
 
 
 def _read_control(data: Any, origin: str, vehicle: Spacecraft) -> Control:

@@ -17,7 +17,7 @@ import functools
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.attitude.components import Quaternion, Vector
+from jaxatt.attitude.components import Quaternion
 from jaxatt.attitude.state_manifold import difference, retract
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.transcription.runge_kutta import Interval
@@ -91,11 +91,8 @@ def wanted(x: Array, p: MagneticParameters, form: MagneticForm) -> tuple[Array, 
     later, final = x[-1] - at, jnp.exp(at)
     value, slope, bend = p.environment.moving.to_second_order(p.begin + final)
     orders = value, final * slope, final * slope + final**2 * bend
-    frame = Quaternion.of(value[:4]).normalized()
-    across = frame.rotate(Vector(0.0, 1.0, 0.0)).array
     target = [Quaternion.of(o[:4]).multiply(Quaternion.of(p.reference)).array for o in orders]
-    # The orbit's plane does not turn.
-    turning = [order[4] * across for order in orders]
+    turning = [order[4:7] for order in orders]
     target, turning = lax.optimization_barrier((target, turning))  # type: ignore[no-untyped-call]
 
     def now(orders: list[Array]) -> Array:

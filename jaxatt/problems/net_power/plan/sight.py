@@ -10,8 +10,9 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.environment import epoch, ground, kepler, orbit
+from jaxatt.environment import epoch, ground
 from jaxatt.environment.along_orbit import OrbitTask
+from jaxatt.environment.motion import Motion
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.reading.fields import ScenarioError
@@ -61,13 +62,10 @@ def elevations(task: Task, flown: OrbitTask) -> tuple[Floats, Floats]:
 
 def positions_over_ground(flown: OrbitTask, times: Floats) -> Floats:
     """Positions (T, 3) [m] of the satellite in Earth-fixed axes at times (T,) [s]."""
-    numbers = (jnp.asarray(value) for value in (flown.mu, flown.days, times))
-    return np.asarray(_positions(flown.elements, *numbers))
+    return np.asarray(_positions(flown.motion, jnp.asarray(flown.days), jnp.asarray(times)))
 
 
 @functools.partial(jax.jit, compiler_options=RUNS_ONCE)
-def _positions(
-    elements: kepler.KeplerianElements, mu: jax.Array, days: jax.Array, times: jax.Array
-) -> jax.Array:
-    r_i, _ = orbit.propagate(*kepler.to_state(elements, mu), times, mu)
+def _positions(motion: Motion, days: jax.Array, times: jax.Array) -> jax.Array:
+    r_i = motion.at(times).position
     return ground.earth_fixed(r_i, days + times / epoch.SECONDS_PER_DAY)

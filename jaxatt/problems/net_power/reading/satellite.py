@@ -24,7 +24,7 @@ from jaxatt.problems.reading.dates import (
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.light import read_light
 from jaxatt.problems.scenario import Orbit
-from jaxatt.problems.surroundings import elements_of
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.spacecraft import Spacecraft
 
 MAGNETORQUING = ("none", "manage-momentum", "decided")
@@ -79,8 +79,7 @@ def _orbit_task(orbit: Orbit, magnetic: bool) -> OrbitTask:
     """Orbit with the field at its epoch, where anything magnetic acts."""
     days = 0.0 if orbit.days is None else orbit.days
     return OrbitTask(
-        elements=elements_of(orbit),
-        mu=orbit.gravitational_parameter,
+        motion=motion_of(orbit),
         days=days,
         field=igrf.at_year(decimal_year(moment_of(days))) if magnetic else None,
     )

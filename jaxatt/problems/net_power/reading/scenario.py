@@ -12,7 +12,7 @@ import numpy as np
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.net_power.options import NetPowerOptions
 from jaxatt.problems.net_power.orbit_frame import inertial_pose
-from jaxatt.problems.net_power.plan.reading.plan import improved_jointly, read_tasks
+from jaxatt.problems.net_power.plan.reading.plan import improved_jointly, plan_length, read_tasks
 from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, LONGEST_MANOEUVRE_S
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.reading.objective import read_baseline, read_objective
@@ -23,7 +23,8 @@ from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
-from jaxatt.problems.reading.settings import MOST_INTERVALS, read_orbit, read_substeps
+from jaxatt.problems.reading.orbit import covering, read_orbit
+from jaxatt.problems.reading.settings import MOST_INTERVALS, read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Horizon, Orbit, Scenario
 from jaxatt.runtime.arrays import Floats
@@ -40,7 +41,9 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     check_printed_totals(heading.printed, origin)
     notes: list[str] = []
     craft = read_vehicle(document["vehicle"], origin, folder, notes, magnetorquers_alone=True)
-    orbit = read_orbit(document["orbit"], origin) if "orbit" in document else None
+    orbit = None
+    if "orbit" in document:
+        orbit = read_orbit(document["orbit"], origin, folder, notes)
     initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
     plan = "tasks" in document
     if plan and "target" in document:
@@ -55,6 +58,9 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
         document.get("objective", {}), origin, craft, horizon.free
     )
     longest = horizon.longest if horizon.free else horizon.duration
+    if orbit is not None:
+        length = plan_length(document, origin, orbit.days) if plan else longest
+        orbit = covering(orbit, document["orbit"], origin, length)
     satellite = read_satellite(document, origin, craft, orbit, wheel_power, longest)
     floor = _floor(document.get("limits", {}), origin, craft)
     tasks: tuple[Task, ...] = ()

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 from jax import Array
 
-from jaxatt.environment import epoch, kepler, orbit
+from jaxatt.environment import epoch
 from jaxatt.environment.along_orbit import OrbitTask, evaluate
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.environment.light import Light, sunlight
@@ -26,7 +26,7 @@ def _along(task: OrbitTask, torques: ExternalTorques, tidal: bool, times: Array)
 
 @jax.jit
 def _sunlight(task: OrbitTask, light: Light, times: Array) -> tuple[Array, Array]:
-    r_i, _ = orbit.propagate(*kepler.to_state(task.elements, task.mu), times, task.mu)
+    r_i = task.motion.at(times).position
     return sunlight(light, r_i, task.days + times / epoch.SECONDS_PER_DAY)
 
 

@@ -14,9 +14,9 @@ from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.problems.net_power.along_flight import along_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, MomentumManagement, Motion, Satellite
 from jaxatt.problems.net_power.plan.hold import fly_held
-from jaxatt.problems.reading.settings import read_orbit
+from jaxatt.problems.reading.orbit import read_orbit
 from jaxatt.problems.reading.vehicles import load_vehicle
-from jaxatt.problems.surroundings import elements_of
+from jaxatt.problems.surroundings import motion_of
 
 ORBIT = read_orbit(
     {
@@ -29,6 +29,8 @@ ORBIT = read_orbit(
         "epoch": "2023-03-14T09:31:11Z",
     },
     "test",
+    None,
+    [],
 )
 REFERENCE = np.array([209.4, 209.4, 209.4, -362.8])
 CRAFT = load_vehicle("hypso2")
@@ -36,9 +38,7 @@ SUN = 1.4959987e11 * np.array([0.8944, 0.0, 0.4472])
 
 
 def satellite():
-    flown = OrbitTask(
-        elements_of(ORBIT), ORBIT.gravitational_parameter, ORBIT.days, igrf.at_year(2023.2)
-    )
+    flown = OrbitTask(motion_of(ORBIT), ORBIT.days, igrf.at_year(2023.2))
     return Satellite(
         CRAFT,
         Light(1361.0, SUN, Shadow()),

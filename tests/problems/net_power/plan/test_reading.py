@@ -16,9 +16,9 @@ from jaxatt.problems.net_power.plan.reading.plan import orbit_frame, read_tasks
 from jaxatt.problems.net_power.plan.task import goal
 from jaxatt.problems.net_power.pose import Pose, angle_between, product
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.settings import read_orbit
+from jaxatt.problems.reading.orbit import read_orbit
 from jaxatt.problems.reading.vehicles import load_vehicle
-from jaxatt.problems.surroundings import elements_of
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.scenarios import bundled
 
 DOCUMENT = tomllib.loads(bundled.text("hypso2-orbit"))
@@ -31,8 +31,8 @@ def satellite(table=None, craft=CRAFT):
     table = DOCUMENT["orbit"] if table is None else table
     if not table:
         return Satellite(craft, Light(1361.0))
-    orbit = read_orbit(table, "test")
-    flown = OrbitTask(elements_of(orbit), orbit.gravitational_parameter, orbit.days)
+    orbit = read_orbit(table, "test", None, [])
+    flown = OrbitTask(motion_of(orbit), orbit.days)
     return Satellite(craft, Light(1361.0), orbit=flown)
 
 

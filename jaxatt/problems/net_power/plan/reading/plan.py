@@ -14,10 +14,12 @@ from jaxatt.problems.net_power.plan.reach import check_reach
 from jaxatt.problems.net_power.plan.reading.order import check_jumps, check_times
 from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, PLAN_KEYS
 from jaxatt.problems.net_power.plan.reading.tasks import Setting, read_task, task_table
+from jaxatt.problems.net_power.plan.reading.times import read_span
 from jaxatt.problems.net_power.plan.sight import check_sights
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.pose import Pose
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.orbit import has_date
 
 _STEP = 2.0  # [s], of Kristiansen (2023), table 5.3
 
@@ -46,7 +48,7 @@ def read_tasks(
             f"{origin}: tasks: must be a list of tables; write [[tasks]] with double brackets"
         )
     flown = satellite.orbit
-    dated = document.get("orbit", {}).get("epoch") is not None
+    dated = flown is not None and has_date(document.get("orbit", {}))
     days = float(flown.days) if flown is not None and dated else None
     frame = None if flown is None else lambda time: orbit_frame(flown, time)
     setting = Setting(satellite.craft, step, days, frame)
@@ -70,6 +72,14 @@ def read_tasks(
     check_reach(tasks, satellite.craft, initial, origin)
     check_floor(tasks, satellite, floor, origin, days)
     return tuple(tasks)
+
+
+def plan_length(document: Mapping[str, Any], origin: str, days: float | None) -> float:
+    """Time [s] at which the last task ends; 0 without a task.  days : epoch, or None."""
+    end, given = 0.0, document.get("tasks")
+    for index, data in enumerate(given if isinstance(given, list) else []):
+        end = read_span(task_table(data, origin, index), end, days)[1]
+    return end
 
 
 def least_elevation(document: Mapping[str, Any], origin: str) -> float:

@@ -1,0 +1,1 @@
+"""Orbits as files and perturbed elements give them, on the host."""

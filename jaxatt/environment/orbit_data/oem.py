@@ -1,0 +1,202 @@
+"""Orbit Ephemeris Messages (OEM) of the CCSDS, read by the package `oem`."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from jaxatt.environment.ephemeris import States
+from jaxatt.environment.epoch import SECONDS_PER_DAY, moment_text
+from jaxatt.environment.orbit_data.hermite import Hermite
+from jaxatt.environment.orbit_data.j2 import Propagation, pole_of_date
+from jaxatt.environment.orbit_data.path import OrbitDataError
+from jaxatt.environment.teme import inertial_of_earth_fixed, inertial_of_teme
+from jaxatt.runtime.arrays import Floats
+
+_TIME_SYSTEMS = ("UTC", "TAI", "TT", "TDB")
+_WIDER = 3.5
+"""How many times wider than its neighbours a step between two states is a gap."""
+_WIDEST = 0.5  # [rad] of the orbit, beyond which a step is a gap
+_ROUNDING = 1e-3  # [s], of the moment at which a motion begins or ends
+
+Turn = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
+_FRAMES: Mapping[str, Turn] = {
+    "EME2000": lambda days, r, v: (r, v),
+    "J2000": lambda days, r, v: (r, v),
+    "GCRF": lambda days, r, v: (r, v),
+    "ICRF": lambda days, r, v: (r, v),
+    "TEME": inertial_of_teme,
+    "TEMEOFDATE": inertial_of_teme,
+    "ITRF": inertial_of_earth_fixed,
+}
+"""Frames of files; the celestial reference frame is within 0.03 arcsec of the inertial one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """States without a gap, in inertial axes.
+
+    days : a moment, since J2000.  times : (n,) [s] after it.  r : (n, 3) [m].  v : (n, 3) [m/s].
+    first, last : [s], between which they may be used.
+    """
+
+    days: float
+    times: Floats
+    r: Floats
+    v: Floats
+    first: float
+    last: float
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Days since J2000 between which the states may be used."""
+        begin, end = (self.days + time / SECONDS_PER_DAY for time in (self.first, self.last))
+        return begin, end
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """States of a file in pieces between which there are gaps; an `OrbitPath`.
+
+    name, number : of the object.  frame : the file's.
+    """
+
+    name: str
+    number: str
+    frame: str
+    pieces: tuple[Piece, ...]
+
+    @property
+    def epoch(self) -> float:
+        """Moment of the first state, days since J2000."""
+        return self.pieces[0].span[0]
+
+    def over(self, days: float, first: float, last: float) -> States:
+        """States between those of the file; what is asked outside goes on with J2."""
+        begin, end = (days + time / SECONDS_PER_DAY for time in (first, last))
+        slack = _ROUNDING / SECONDS_PER_DAY
+        for piece in self.pieces:
+            if piece.span[0] - slack <= begin and end <= piece.span[1] + slack:
+                return _continued(piece, (days - piece.days) * SECONDS_PER_DAY)
+        spans = "; ".join(" to ".join(map(moment_text, piece.span)) for piece in self.pieces[:5])
+        more = f" and {len(self.pieces) - 5} more spans" if len(self.pieces) > 5 else ""
+        raise OrbitDataError(
+            f"the motion from {moment_text(begin)} to {moment_text(end)} is not within states "
+            f"without a gap, which are from {spans}{more}; begin at another epoch, or give a file "
+            "that covers it"
+        )
+
+
+def _continued(piece: Piece, later: float) -> States:
+    between = Hermite(piece.times, piece.r, piece.v)
+    pole = pole_of_date(piece.days)
+    beyond = {end: Propagation(piece.r[end], piece.v[end], pole) for end in (0, -1)}
+
+    def states(times: Floats) -> tuple[Floats, Floats]:
+        own = later + times
+        r, v = between(np.clip(own, piece.times[0], piece.times[-1]))
+        for end, outside in ((0, own < piece.times[0]), (-1, own > piece.times[-1])):
+            if outside.any():
+                away = own[outside] - piece.times[end]
+                r[outside], v[outside] = beyond[end](away)
+        return r, v
+
+    return states
+
+
+def looks_like_oem(text: str) -> bool:
+    """Whether a text begins as an OEM."""
+    head = text.lstrip("\ufeff \t\r\n")[:2000]
+    return head.startswith("CCSDS_OEM_VERS") or (head.startswith("<") and "<oem" in head.lower())
+
+
+def read_oem(path: Path) -> Table:
+    """The states of a file, in KVN or XML.  Raises `OrbitDataError`."""
+    # Astropy, which the package brings along, takes a while to import.
+    from oem import OrbitEphemerisMessage
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            message = OrbitEphemerisMessage.open(path)
+    except Exception as error:
+        reason = str(error).strip("'\" ") or type(error).__name__
+        raise OrbitDataError(f"is no OEM that can be read ({reason}); write it anew") from None
+    segments = list(message)
+    if not segments:
+        raise OrbitDataError("holds no states; write it anew")
+    about = segments[0].metadata
+    pieces = tuple(piece for segment in segments for piece in _pieces(segment))
+    if not pieces:
+        raise OrbitDataError("has no two states without a gap between them; write it anew")
+    return Table(about["OBJECT_NAME"], about["OBJECT_ID"], about["REF_FRAME"], pieces)
+
+
+def _pieces(segment: Any) -> list[Piece]:
+    """The states of a segment in inertial axes, divided at gaps."""
+    from astropy.time import Time
+
+    about = segment.metadata
+    turn = _turn(about["REF_FRAME"])
+    if about["CENTER_NAME"].upper() != "EARTH":
+        raise OrbitDataError(
+            f"CENTER_NAME is {about['CENTER_NAME']}; only motion about the Earth can be read: give "
+            "a file with CENTER_NAME = EARTH"
+        )
+    scale = about["TIME_SYSTEM"].upper()
+    if scale not in _TIME_SYSTEMS:
+        raise OrbitDataError(
+            f"TIME_SYSTEM is {scale}, which is not known; give times in one of "
+            f"{', '.join(_TIME_SYSTEMS)}"
+        )
+    states = list(segment.states)
+    if len(states) < 2:
+        raise OrbitDataError("has a segment of one state; give two at least")
+    parts = np.array([(state.epoch.jd1, state.epoch.jd2) for state in states])
+    moments = Time(parts[:, 0], parts[:, 1], format="jd", scale=scale.lower()).utc
+    first = float(moments[0].jd1 - 2451545.0 + moments[0].jd2)
+    times = SECONDS_PER_DAY * np.asarray(
+        (moments.jd1 - moments[0].jd1) + (moments.jd2 - moments[0].jd2), float
+    )
+    r = 1e3 * np.array([state.position for state in states], float)
+    v = 1e3 * np.array([state.velocity for state in states], float)
+    if not (np.isfinite(r).all() and np.isfinite(v).all()):
+        raise OrbitDataError("holds numbers that are not finite; write it anew")
+    r, v = turn(first + times / SECONDS_PER_DAY, r, v)
+    usable = Time([segment.useable_start_time, segment.useable_stop_time]).utc
+    limits = SECONDS_PER_DAY * np.asarray(
+        (usable.jd1 - moments[0].jd1) + (usable.jd2 - moments[0].jd2), float
+    )
+    found = []
+    for rows in _runs(times, r, v):
+        begin, end = max(limits[0], times[rows][0]), min(limits[1], times[rows][-1])
+        if end > begin:
+            found.append(Piece(first, times[rows], r[rows], v[rows], float(begin), float(end)))
+    return found
+
+
+def _runs(times: Floats, r: Floats, v: Floats) -> list[slice]:
+    """Rows of the states between one gap and the next."""
+    steps = np.diff(times)
+    beside = np.maximum(np.append(steps[1:], 0.0), np.insert(steps[:-1], 0, 0.0))
+    angles = steps * np.linalg.norm(np.cross(r, v), axis=1)[:-1] / np.square(r).sum(axis=1)[:-1]
+    wide = angles > _WIDEST
+    if len(steps) > 1:
+        wide |= steps > _WIDER * beside
+    edges = [0, *(np.flatnonzero(wide) + 1).tolist(), len(times)]
+    return [slice(*pair) for pair in pairwise(edges) if pair[1] - pair[0] > 1]
+
+
+def _turn(name: str) -> Turn:
+    frame = "ITRF" if name.upper().startswith("ITRF") else name.upper()
+    if frame not in _FRAMES:
+        raise OrbitDataError(
+            f"REF_FRAME is {name}, which is not known; give states in one of {', '.join(_FRAMES)}"
+        )
+    return _FRAMES[frame]
