@@ -24,6 +24,7 @@ from jaxatt.studies.compare import compare
 from jaxatt.studies.design.design import design
 from jaxatt.studies.design.result import Design
 from jaxatt.studies.flight_comparison import FlightComparison, compare_flight
+from jaxatt.studies.orbit_course.result import OrbitCourse, orbit_course
 from jaxatt.studies.pareto import pareto
 from jaxatt.studies.pareto_front import ParetoFront
 from jaxatt.studies.relative_sparsity import relative_sparsity
@@ -44,6 +45,7 @@ __all__ = [
     "Minimum",
     "OptimalControlProgram",
     "Optimum",
+    "OrbitCourse",
     "ParetoFront",
     "Phase",
     "ProgramSolution",
@@ -64,6 +66,7 @@ __all__ = [
     "minimize",
     "open_archive",
     "open_study",
+    "orbit_course",
     "pareto",
     "relative_sparsity",
     "scenarios",

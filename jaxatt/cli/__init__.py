@@ -14,6 +14,7 @@ from jaxatt.cli.compare import compare
 from jaxatt.cli.design import design
 from jaxatt.cli.map import map_
 from jaxatt.cli.merge import merge
+from jaxatt.cli.orbit import orbit
 from jaxatt.cli.pareto import pareto
 from jaxatt.cli.plan import plan
 from jaxatt.cli.scenarios import scenarios
@@ -37,6 +38,7 @@ for command in (
     pareto,
     compare,
     simulate,
+    orbit,
     certify,
     sparsity,
     sensitivities,

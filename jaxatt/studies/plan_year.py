@@ -148,6 +148,11 @@ def plan_year(
         raise ScenarioError(
             f"{scenario.origin}: [orbit] epoch: missing, and dates need an orbit with an epoch"
         )
+    if scenario.orbit.path is not None:
+        raise ScenarioError(
+            f"{scenario.origin}: [orbit]: other dates need an orbit that stays as it is; give "
+            "Keplerian elements without perturbations"
+        )
     count = starts or min(STARTS, scenario.solver.starts)
     chosen = scenario.solver.seed if seed is None else seed
     plans = plan_on_dates(scenario, days, count, chosen, report)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +12,7 @@ from sgp4.api import SGP4_ERRORS, WGS72, Satrec
 from jaxatt.environment.ephemeris import States
 from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.environment.orbit_data.path import OrbitDataError
+from jaxatt.environment.sun import EARTH_RADIUS
 from jaxatt.environment.teme import inertial_of_teme
 from jaxatt.runtime.arrays import Floats
 
@@ -18,6 +20,9 @@ _J2000 = 2451545.0
 _FRESH = 1000.0  # [m], by which a set is off at its own epoch
 _DRIFT = 2000.0  # [m] a day
 _DRAG = 0.1  # by which the drag over days is not known
+_DRAG_DAYS = 3.0  # over which its effect is computed
+_LOST = EARTH_RADIUS
+"""[m] Beyond which elements no longer say where a satellite is."""
 FRESH_DAYS = 7.0
 """Age beyond which a set is warned about."""
 
@@ -45,6 +50,11 @@ class ElementSet:
 
     def over(self, days: float, first: float, last: float) -> States:
         """States by SGP4, in inertial axes; refused where the theory does not hold."""
+        if self.off_by(days) > _LOST:
+            raise OrbitDataError(
+                f"the elements of {self.title} are {self._aged(days)}: the orbit may be off by "
+                "more than the Earth's radius; take elements of about that date"
+            )
         whole, part = np.floor(days), days - np.floor(days)
 
         def states(times: Floats) -> tuple[Floats, Floats]:
@@ -58,18 +68,21 @@ class ElementSet:
         states(np.asarray([first, last]))
         return states
 
+    def _aged(self, days: float) -> str:
+        side = "old" if days > self.epoch else "ahead"
+        return f"{abs(days - self.epoch):.1f} days {side} at the start"
+
     def _refuse(self, code: int, days: float) -> None:
         raise OrbitDataError(
-            f"SGP4 does not propagate {self.title} to {abs(days - self.epoch):.1f} days "
-            f"{'after' if days > self.epoch else 'before'} its epoch: {SGP4_ERRORS[code]}; take "
-            "elements of about that date"
+            f"SGP4 does not propagate the elements of {self.title}, {self._aged(days)}: "
+            f"{SGP4_ERRORS[code]}; take elements of about that date"
         )
 
     def off_by(self, days: float) -> float:
         """By how much [m] the position may be off at a moment, days since J2000.
 
         A kilometre at the epoch and two a day (1 to 3 are usual, says the documentation of
-        `sgp4`), and what a tenth more drag would change.
+        `sgp4`), and what a tenth more drag would change, along the track.
         """
         age = abs(days - self.epoch)
         own, other = self.satrec, Satrec()
@@ -88,21 +101,20 @@ class ElementSet:
             own.no_kozai,
             own.nodeo,
         )
-        ends = [set_.sgp4(_J2000 + np.floor(days), days - np.floor(days)) for set_ in (own, other)]
-        drag = 0.0
-        if not any(code for code, _, _ in ends):
-            drag = 1e3 * float(np.linalg.norm(np.subtract(ends[0][1], ends[1][1])))
+        # With the square of the time, as the mean motion changes; far away the theory may fail.
+        near = min(age, _DRAG_DAYS)
+        then = self.epoch + math.copysign(near, days - self.epoch)
+        places = [set_.sgp4(_J2000, then)[1] for set_ in (own, other)]
+        drag = 1e3 * math.dist(*places) * (age / near) ** 2 if near else 0.0
         return _FRESH + _DRIFT * age + drag
 
     def warning(self, days: float) -> str:
         """Sentence about the age of the set at a moment; empty where it is fresh."""
-        age = abs(days - self.epoch)
-        if age <= FRESH_DAYS:
+        if abs(days - self.epoch) <= FRESH_DAYS:
             return ""
         return (
-            f"the elements of {self.title} are {age:.1f} days "
-            f"{'old' if days > self.epoch else 'ahead'} at the start: the orbit may be off by "
-            f"about {1e-3 * self.off_by(days):.0f} km; take elements of about that date"
+            f"the elements of {self.title} are {self._aged(days)}: the orbit may be off by about "
+            f"{1e-3 * self.off_by(days):.0f} km; take elements of about that date"
         )
 
 

@@ -14,7 +14,8 @@ class Hermite:
     """Polynomials through the nearest states on both sides.
 
     With states up to half a radian of the orbit apart, 8 min in a low one, the polynomial itself
-    misses by less than a millimetre.
+    misses by less than a millimetre.  The velocities must be the derivatives of the positions;
+    those of SGP4 are so to 2 cm/s only, which comes to centimetres between states a minute apart.
 
     times : (n,) [s], rising.  r : (n, 3) [m].  v : (n, 3) [m/s].
     """

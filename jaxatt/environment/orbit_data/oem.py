@@ -73,6 +73,11 @@ class Table:
     pieces: tuple[Piece, ...]
 
     @property
+    def title(self) -> str:
+        """Name and number, for messages."""
+        return f"{self.name} ({self.number})"
+
+    @property
     def epoch(self) -> float:
         """Moment of the first state, days since J2000."""
         return self.pieces[0].span[0]

@@ -51,7 +51,7 @@ def read_omm(text: str) -> list[ElementSet]:
         rows = list(_rows(text.lstrip("\ufeff \t\r\n")))
     except (ValueError, AttributeError, TypeError, SyntaxError) as error:
         raise OrbitDataError(f"is no OMM that can be read ({error}); fetch it anew") from None
-    if not rows:
+    if not rows or not all(isinstance(row, dict) for row in rows):
         raise OrbitDataError("holds no elements; fetch it anew")
     return [_element_set(row) for row in rows]
 

@@ -122,7 +122,7 @@ def _from_source(
             path = read_orbit_file(place, key.removesuffix("_file"), wanted, start)
         if start is None:
             start = path.epoch
-            notes.append(f"the scenario starts at the epoch of its orbit, {moment_text(start)}")
+            notes.append(f"starts at the epoch of its orbit, {moment_text(start)}")
         if isinstance(path, ElementSet):
             warning = path.warning(start)
             if warning:

@@ -1,0 +1,1 @@
+"""What an orbit brings over time: ground track, eclipses, sun and magnetic field."""
