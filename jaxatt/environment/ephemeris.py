@@ -25,6 +25,7 @@ TOLERANCE = 0.01
 _ANGLE = 0.1  # [rad] of the orbit between two nodes at first
 _FEWEST = 16  # segments
 _HALVINGS = 8
+_SLACK = 1e-6  # of a segment, for rounding at the ends
 
 
 @jax.tree_util.register_dataclass
@@ -40,18 +41,19 @@ class Ephemeris:
 
     def at(self, time: Array) -> OrbitState:
         """State at times (...) [s] after time zero; not a number outside the table."""
-        time = jnp.asarray(time)
-        first, step = jnp.asarray(self.table.first), jnp.asarray(self.table.step)
-        count = jnp.asarray(self.table.coefficients).shape[0]
-        position = (time - first) / step
-        inside = (position > -_SLACK) & (position < count + _SLACK)
-        values, rates, _ = jax.vmap(self.table.to_second_order)(jnp.ravel(time))
-        values, rates = (part.reshape(*time.shape, 6) for part in (values, rates))
-        values = jnp.where(inside[..., None], values, jnp.nan)
-        return OrbitState(values[..., :3], values[..., 3:], rates[..., 3:])
+        return _at(self.table, jnp.asarray(time))
 
 
-_SLACK = 1e-6  # of a segment, for rounding at the ends
+@jax.jit
+def _at(table: Interpolant, time: Array) -> OrbitState:
+    first, step = jnp.asarray(table.first), jnp.asarray(table.step)
+    count = jnp.asarray(table.coefficients).shape[0]
+    position = (time - first) / step
+    inside = (position > -_SLACK) & (position < count + _SLACK)
+    values, rates, _ = jax.vmap(table.to_second_order)(jnp.ravel(time))
+    values, rates = (part.reshape(*time.shape, 6) for part in (values, rates))
+    values = jnp.where(inside[..., None], values, jnp.nan)
+    return OrbitState(values[..., :3], values[..., 3:], rates[..., 3:])
 
 
 def sampled(

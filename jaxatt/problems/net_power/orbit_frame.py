@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import functools
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.environment import frames
 from jaxatt.environment.along_orbit import OrbitTask
+from jaxatt.environment.motion import Motion
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.pose import Pose, product
 from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.settings import RUNS_ONCE
 
 
 def orbit_frame(flown: OrbitTask, time: float) -> Pose:
     """Attitude q_io, and rate omega_io in orbit axes, of the orbit frame at a time [s]."""
-    here = flown.motion.at(jnp.asarray(time))
-    q_io = frames.quaternion_io(here.position, here.velocity)
-    return Pose(np.asarray(q_io), np.asarray(frames.omega_io(*here)))
+    q_io, rate = _frame(flown.motion, jnp.asarray(time))
+    return Pose(np.asarray(q_io), np.asarray(rate))
+
+
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
+def _frame(motion: Motion, time: jax.Array) -> tuple[jax.Array, jax.Array]:
+    here = motion.at(time)
+    return frames.quaternion_io(here.position, here.velocity), frames.omega_io(*here)
 
 
 def rotated_back(q: Floats, v: Floats) -> Floats:
