@@ -29,6 +29,8 @@ def elements_of(orbit: Orbit) -> KeplerianElements:
 
 def motion_of(orbit: Orbit) -> Motion:
     """Motion along an orbit, from time zero on: sampled, or an ellipse."""
+    if orbit.path is not None and orbit.motion is None:
+        raise ValueError("orbit: is no ellipse and was not sampled; call `covering` first")
     return orbit.motion or TwoBody(elements_of(orbit), jnp.asarray(orbit.gravitational_parameter))
 
 

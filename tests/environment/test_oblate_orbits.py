@@ -37,7 +37,7 @@ def start(seed):
 
 
 def potential(r, pole):
-    """Energy (n,) [J/kg] in the field of an oblate Earth, up to its sign; Vallado (2013), ch. 8."""
+    """Energy (n,) [J/kg] in the field of an oblate Earth, up to its sign."""
     radius = np.linalg.norm(r, axis=-1)
     sine = r @ pole / radius
     return MU_EARTH / radius * (1.0 - J2 * (RADIUS / radius) ** 2 * 0.5 * (3.0 * sine**2 - 1.0))

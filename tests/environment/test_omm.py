@@ -91,7 +91,7 @@ def test_long_numbers_and_epochs_without_a_fraction():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"REF_FRAME": "EME2000"}, "REF_FRAME is EME2000; .*TEME"),
+        ({"REF_FRAME": "EME2000"}, "REF_FRAME is EME2000, .*TEME"),
         ({"MEAN_ELEMENT_THEORY": "DSST"}, "MEAN_ELEMENT_THEORY is DSST"),
         ({"CENTER_NAME": "MOON"}, "CENTER_NAME is MOON"),
         ({"MEAN_MOTION": None}, "MEAN_MOTION is missing"),
@@ -102,7 +102,7 @@ def test_long_numbers_and_epochs_without_a_fraction():
 def test_what_cannot_be_propagated_is_refused(changes, said):
     with pytest.raises(OrbitDataError, match=said) as caught:
         read_omm(as_json(fields(HYPSO1, **changes)))
-    assert "; " in str(caught.value) or ": give" in str(caught.value)
+    assert "; " in str(caught.value)
 
 
 @pytest.mark.parametrize("text", ["[1, 2]", '{"MEAN_MOTION":', "<omm><body></omm>", "[]"])

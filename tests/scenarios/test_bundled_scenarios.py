@@ -22,6 +22,7 @@ NAMES = (
     "hypso1-netpower",
     "hypso1-path",
     "hypso1-path-two",
+    "hypso1-tle-90-45-15",
     "hypso2-orbit",
     "minimum-time-180",
     "mrp-k3",

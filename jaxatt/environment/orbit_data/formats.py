@@ -6,7 +6,7 @@ import functools
 from pathlib import Path
 
 from jaxatt.environment.orbit_data.element_set import ElementSet, choose
-from jaxatt.environment.orbit_data.oem import Table, looks_like_oem, read_oem
+from jaxatt.environment.orbit_data.oem import EphemerisTable, looks_like_oem, read_oem
 from jaxatt.environment.orbit_data.omm import looks_like_omm, read_omm
 from jaxatt.environment.orbit_data.path import OrbitDataError
 from jaxatt.environment.orbit_data.tle import looks_like_tle, read_tle
@@ -38,7 +38,7 @@ def text_of(path: Path) -> str:
 
 def read_orbit_file(
     path: Path, kind: str, wanted: str = "", days: float | None = None
-) -> ElementSet | Table:
+) -> ElementSet | EphemerisTable:
     """The orbit in a file.
 
     kind : one of `KINDS`, which the file must be.
@@ -59,6 +59,6 @@ def read_orbit_file(
 
 
 @functools.lru_cache(maxsize=8)
-def _table(path: Path, changed: int, size: int) -> Table:
+def _table(path: Path, changed: int, size: int) -> EphemerisTable:
     """A scenario that is changed is read again, and a long ephemeris takes seconds."""
     return read_oem(path)

@@ -28,8 +28,9 @@ _FURTHER, _ROOM = 1.3, 600.0
 
 
 def acceleration(r: Floats, pole: Floats, mu: float = MU_EARTH) -> Floats:
-    """Acceleration (..., 3) [m/s^2] of an oblate Earth; Vallado (2013), eq. (8-29), for any pole.
+    """Acceleration (..., 3) [m/s^2] of an oblate Earth.
 
+    The gradient of mu / r (1 - J2 (R / r)^2 (3 s^2 - 1) / 2), with s the sine of the latitude.
     r : (..., 3) [m].  pole : (3,), unit vector of the Earth's axis.
     """
     radius = np.linalg.norm(r, axis=-1)[..., None]

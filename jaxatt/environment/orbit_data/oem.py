@@ -19,6 +19,7 @@ from jaxatt.environment.orbit_data.path import OrbitDataError
 from jaxatt.environment.teme import inertial_of_earth_fixed, inertial_of_teme
 from jaxatt.runtime.arrays import Floats
 
+_J2000 = 2451545.0  # [days], Julian date
 _TIME_SYSTEMS = ("UTC", "TAI", "TT", "TDB")
 _WIDER = 3.5
 """How many times wider than its neighbours a step between two states is a gap."""
@@ -61,7 +62,7 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class EphemerisTable:
     """States of a file in pieces between which there are gaps; an `OrbitPath`.
 
     name, number : of the object.  frame : the file's.
@@ -121,7 +122,7 @@ def looks_like_oem(text: str) -> bool:
     return head.startswith("CCSDS_OEM_VERS") or (head.startswith("<") and "<oem" in head.lower())
 
 
-def read_oem(path: Path) -> Table:
+def read_oem(path: Path) -> EphemerisTable:
     """The states of a file, in KVN or XML.  Raises `OrbitDataError`."""
     # Astropy, which the package brings along, takes a while to import.
     from oem import OrbitEphemerisMessage
@@ -140,7 +141,7 @@ def read_oem(path: Path) -> Table:
     pieces = tuple(piece for segment in segments for piece in _pieces(segment))
     if not pieces:
         raise OrbitDataError("has no two states without a gap between them; write it anew")
-    return Table(about["OBJECT_NAME"], about["OBJECT_ID"], about["REF_FRAME"], pieces)
+    return EphemerisTable(about["OBJECT_NAME"], about["OBJECT_ID"], about["REF_FRAME"], pieces)
 
 
 def _pieces(segment: Any) -> list[Piece]:
@@ -151,8 +152,8 @@ def _pieces(segment: Any) -> list[Piece]:
     turn = _turn(about["REF_FRAME"])
     if about["CENTER_NAME"].upper() != "EARTH":
         raise OrbitDataError(
-            f"CENTER_NAME is {about['CENTER_NAME']}; only motion about the Earth can be read: give "
-            "a file with CENTER_NAME = EARTH"
+            f"CENTER_NAME is {about['CENTER_NAME']}, and only motion about the Earth can be read; "
+            "give a file with CENTER_NAME = EARTH"
         )
     scale = about["TIME_SYSTEM"].upper()
     if scale not in _TIME_SYSTEMS:
@@ -165,24 +166,25 @@ def _pieces(segment: Any) -> list[Piece]:
         raise OrbitDataError("has a segment of one state; give two at least")
     parts = np.array([(state.epoch.jd1, state.epoch.jd2) for state in states])
     moments = Time(parts[:, 0], parts[:, 1], format="jd", scale=scale.lower()).utc
-    first = float(moments[0].jd1 - 2451545.0 + moments[0].jd2)
-    times = SECONDS_PER_DAY * np.asarray(
-        (moments.jd1 - moments[0].jd1) + (moments.jd2 - moments[0].jd2), float
-    )
+    begin = moments[0]
+    first = float(begin.jd1 - _J2000 + begin.jd2)
+
+    def since(some: Any) -> Floats:
+        return SECONDS_PER_DAY * np.asarray((some.jd1 - begin.jd1) + (some.jd2 - begin.jd2), float)
+
+    times = since(moments)
     r = 1e3 * np.array([state.position for state in states], float)
     v = 1e3 * np.array([state.velocity for state in states], float)
     if not (np.isfinite(r).all() and np.isfinite(v).all()):
         raise OrbitDataError("holds numbers that are not finite; write it anew")
     r, v = turn(first + times / SECONDS_PER_DAY, r, v)
-    usable = Time([segment.useable_start_time, segment.useable_stop_time]).utc
-    limits = SECONDS_PER_DAY * np.asarray(
-        (usable.jd1 - moments[0].jd1) + (usable.jd2 - moments[0].jd2), float
-    )
+    usable = since(Time([segment.useable_start_time, segment.useable_stop_time]).utc)
     found = []
     for rows in _runs(times, r, v):
-        begin, end = max(limits[0], times[rows][0]), min(limits[1], times[rows][-1])
-        if end > begin:
-            found.append(Piece(first, times[rows], r[rows], v[rows], float(begin), float(end)))
+        own = times[rows]
+        limits = np.clip(usable, own[0], own[-1]).tolist()
+        if limits[1] > limits[0]:
+            found.append(Piece(first, own, r[rows], v[rows], *limits))
     return found
 
 

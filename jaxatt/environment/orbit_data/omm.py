@@ -89,8 +89,8 @@ def _element_set(row: Mapping[str, Any]) -> ElementSet:
     for key, allowed in _ALLOWED.items():
         if fields.get(key, allowed[0]).upper() not in allowed:
             raise OrbitDataError(
-                f"{key} is {fields[key]}; only elements of SGP4 can be propagated ({key} "
-                f"{' or '.join(allowed)}): give an OEM of this orbit"
+                f"{key} is {fields[key]}, and only elements of SGP4 can be propagated ({key} "
+                f"{' or '.join(allowed)}); give an OEM of this orbit"
             )
     name, number = fields.get("OBJECT_NAME", ""), fields.get("NORAD_CAT_ID", "")
     satrec = Satrec()

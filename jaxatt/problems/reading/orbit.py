@@ -113,6 +113,8 @@ def _from_source(
         if other not in (key, *_BESIDE):
             table.fail(other, f"given beside {key}", "keep one of the two and drop the other")
     wanted = table.text("object") if "object" in table else ""
+    if wanted and key == "tle":
+        table.fail("object", "two lines are of one satellite", "drop it, or give tle_file")
     path: ElementSet | Any
     try:
         if key == "tle":

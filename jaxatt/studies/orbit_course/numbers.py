@@ -12,7 +12,7 @@ from jaxatt.environment.epoch import moment_text
 from jaxatt.environment.orbit_data.element_set import ElementSet
 from jaxatt.environment.orbit_data.j2 import OblatePath
 from jaxatt.environment.orbit_data.mean_elements import mean_elements
-from jaxatt.environment.orbit_data.oem import Table
+from jaxatt.environment.orbit_data.oem import EphemerisTable
 from jaxatt.environment.orbit_data.path import OrbitPath
 from jaxatt.studies.orbit_course.course import Course, period_of
 
@@ -71,7 +71,7 @@ def source_of(path: OrbitPath | None) -> str:
     """Where an orbit comes from, in words."""
     if isinstance(path, ElementSet):
         return f"SGP4 from elements of {path.title}, {moment_text(path.epoch)}"
-    if isinstance(path, Table):
+    if isinstance(path, EphemerisTable):
         return f"ephemeris of {path.title} in {path.frame}"
     if isinstance(path, OblatePath):
         return "Keplerian elements with J2"
