@@ -23,7 +23,7 @@ TOLERANCE = 0.01
 """[m] By which the interpolation may miss."""
 
 _ANGLE = 0.1  # [rad] of the orbit between two nodes at first
-_FEWEST = 16  # segments
+_FEWEST, _MOST = 16, 2**20  # segments at first
 _HALVINGS = 8
 _SLACK = 1e-6  # of a segment, for rounding at the ends
 
@@ -78,7 +78,11 @@ def sampled(
 
     r, v = states(np.linspace(first, last, 65))
     rate = np.linalg.norm(np.cross(r, v), axis=1).max() / np.square(r).sum(axis=1).min()
-    least = max(_FEWEST, math.ceil((last - first) * rate / _ANGLE))
+    least = max(float(_FEWEST), (last - first) * float(rate) / _ANGLE)
+    if not least < _MOST:
+        raise ValueError(
+            f"{last - first:.3g} s of the orbit are more than can be sampled, {least:.3g} segments"
+        )
     count = 2 ** math.ceil(math.log2(least))
     for _ in range(_HALVINGS):
         step = (last - first) / count

@@ -126,6 +126,11 @@ def test_a_text_of_several_sets():
     assert [s.name for s in sets] == ["HYPSO-1", "VANGUARD 1", ""]
     assert [s.number for s in sets] == ["51053", "00005", "08195"]
     assert choose(sets, "vanguard 1", None) is sets[1] and choose(sets, "08195", None) is sets[2]
+    # A line that was changed does not matter where another object is asked for.
+    changed = text.replace("  .00000023", "  .00000024")
+    assert [s.name for s in read_tle(changed, "hypso-1")] == ["HYPSO-1"]
+    with pytest.raises(OrbitDataError, match="checksum"):
+        read_tle(changed, "00005")
     for wanted, said in (("", "several satellites"), ("ISS", 'no object "ISS"')):
         with pytest.raises(OrbitDataError, match=said):
             choose(sets, wanted, None)

@@ -165,6 +165,14 @@ def test_files_that_cannot_be_placed_are_refused(tmp_path, changes, said):
         read_oem(written(tmp_path, message(times, *STATES(times), **changes)))
 
 
+def test_metres_are_not_taken_for_kilometres(tmp_path):
+    times = np.arange(0.0, 601.0, 60.0)
+    r, v = STATES(times)
+    for scale in (1e3, 1e-3):
+        with pytest.raises(OrbitDataError, match="on no orbit; give kilometres"):
+            read_oem(written(tmp_path, message(times, scale * r, scale * v)))
+
+
 def test_broken_files_are_refused(tmp_path):
     times = np.arange(0.0, 601.0, 60.0)
     good = message(times, *STATES(times))

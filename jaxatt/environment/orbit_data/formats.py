@@ -55,7 +55,8 @@ def read_orbit_file(
     if kind == "oem":
         stamp = path.stat()
         return _table(path.resolve(), stamp.st_mtime_ns, stamp.st_size)
-    return choose((read_tle if kind == "tle" else read_omm)(text), wanted, days)
+    sets = read_tle(text, wanted) if kind == "tle" else read_omm(text)
+    return choose(sets, wanted, days)
 
 
 @functools.lru_cache(maxsize=8)

@@ -24,6 +24,7 @@ _TIME_SYSTEMS = ("UTC", "TAI", "TT", "TDB")
 _WIDER = 3.5
 """How many times wider than its neighbours a step between two states is a gap."""
 _WIDEST = 0.5  # [rad] of the orbit, beyond which a step is a gap
+_NEAREST, _FARTHEST, _FASTEST = 6.3e6, 1e9, 12e3  # [m], [m], [m/s]
 _ROUNDING = 1e-3  # [s], of the moment at which a motion begins or ends
 
 Turn = Callable[[Floats, Floats, Floats], tuple[Floats, ...]]
@@ -130,17 +131,16 @@ def read_oem(path: Path) -> EphemerisTable:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            message = OrbitEphemerisMessage.open(path)
+            segments = list(OrbitEphemerisMessage.open(path))
+            pieces = tuple(piece for segment in segments for piece in _pieces(segment))
+    except OrbitDataError:
+        raise
     except Exception as error:
-        reason = str(error).strip("'\" ") or type(error).__name__
+        reason = str(error).partition("\n")[0].strip("'\" :") or type(error).__name__
         raise OrbitDataError(f"is no OEM that can be read ({reason}); write it anew") from None
-    segments = list(message)
-    if not segments:
-        raise OrbitDataError("holds no states; write it anew")
-    about = segments[0].metadata
-    pieces = tuple(piece for segment in segments for piece in _pieces(segment))
     if not pieces:
         raise OrbitDataError("has no two states without a gap between them; write it anew")
+    about = segments[0].metadata
     return EphemerisTable(about["OBJECT_NAME"], about["OBJECT_ID"], about["REF_FRAME"], pieces)
 
 
@@ -175,8 +175,13 @@ def _pieces(segment: Any) -> list[Piece]:
     times = since(moments)
     r = 1e3 * np.array([state.position for state in states], float)
     v = 1e3 * np.array([state.velocity for state in states], float)
-    if not (np.isfinite(r).all() and np.isfinite(v).all()):
-        raise OrbitDataError("holds numbers that are not finite; write it anew")
+    radius, speed = np.linalg.norm(r, axis=1), np.linalg.norm(v, axis=1)
+    if not ((radius > _NEAREST) & (radius < _FARTHEST) & (speed < _FASTEST)).all():
+        raise OrbitDataError(
+            f"holds states {1e-3 * radius.min():.6g} to {1e-3 * radius.max():.6g} km from the "
+            f"Earth's centre at up to {1e-3 * speed.max():.6g} km/s, which are on no orbit; give "
+            "kilometres and kilometres a second"
+        )
     r, v = turn(first + times / SECONDS_PER_DAY, r, v)
     usable = since(Time([segment.useable_start_time, segment.useable_stop_time]).utc)
     found = []

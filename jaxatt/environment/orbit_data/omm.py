@@ -102,7 +102,7 @@ def _element_set(row: Mapping[str, Any]) -> ElementSet:
         omm.initialize(satrec, fields)
     except KeyError as error:
         raise OrbitDataError(f"{error.args[0]} is missing; fetch the message anew") from None
-    except (ValueError, OverflowError) as error:
+    except (ValueError, TypeError, ArithmeticError) as error:
         raise OrbitDataError(
             f"the elements of {name or number}: {error}; fetch them anew"
         ) from None

@@ -21,23 +21,26 @@ def looks_like_tle(text: str) -> bool:
     return any(a.startswith("1 ") and b.startswith("2 ") for a, b in pairwise(lines))
 
 
-def read_tle(text: str) -> list[ElementSet]:
-    """Every set of a text, with or without a line of the name above it.
+def read_tle(text: str, wanted: str = "") -> list[ElementSet]:
+    """The sets of a text, with or without a line of the name above each.
 
+    wanted : name or number of the only object whose lines matter; all do if it is not there.
     Raises `OrbitDataError`.
     """
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    sets = []
+    found: list[tuple[str, str, str]] = []
     for index, line in enumerate(lines):
         if not line.startswith("1 "):
             continue
         if index + 1 == len(lines) or not lines[index + 1].startswith("2 "):
             raise OrbitDataError(f'"{line[:24]}...": no second line follows; give both lines')
         above = lines[index - 1] if index and not lines[index - 1].startswith("2 ") else ""
-        sets.append(element_set((line, lines[index + 1]), above.removeprefix("0 ").strip()))
-    if not sets:
+        found.append((line, lines[index + 1], above.removeprefix("0 ").strip()))
+    if not found:
         raise OrbitDataError('holds no lines that begin with "1 " and "2 "; give both lines')
-    return sets
+    asked = wanted.strip().lower()
+    fitting = [each for each in found if asked in (each[2].lower(), each[0][2:7].strip().lower())]
+    return [element_set(each[:2], each[2]) for each in (fitting if asked else []) or found]
 
 
 def element_set(lines: Sequence[str], name: str = "") -> ElementSet:
@@ -53,12 +56,13 @@ def element_set(lines: Sequence[str], name: str = "") -> ElementSet:
     try:
         # The compiled reader takes whatever it finds in the columns; this one looks.
         io.twoline2rv(first, second, wgs72)
-    except ValueError:
+        satrec = Satrec.twoline2rv(first, second)
+    except (ValueError, TypeError, ArithmeticError):
         raise OrbitDataError(
-            f'"{first[:24]}...": its numbers do not stand in the columns of a TLE; copy both lines '
-            "anew, spaces included"
+            f'"{first[:24]}...": its numbers do not stand in the columns of a TLE, or are of no '
+            "orbit; copy both lines anew, with their spaces"
         ) from None
-    return ElementSet(name, first[2:7].strip(), Satrec.twoline2rv(first, second))
+    return ElementSet(name, first[2:7].strip(), satrec)
 
 
 def _check(line: str, number: int) -> None:
