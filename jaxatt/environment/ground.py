@@ -25,17 +25,23 @@ def vertical(latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:
     return jnp.stack(jnp.broadcast_arrays(*up), axis=-1)
 
 
-def place(latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:
-    """Position (..., 3) [m] on the WGS 84 ellipsoid, in Earth-fixed axes."""
-    up, scale = broadcast_batch(vertical(latitude, longitude), jnp.asarray([1.0, 1.0, _FLAT]))
+def place(latitude: ArrayLike, longitude: ArrayLike, height: ArrayLike = 0.0) -> jax.Array:
+    """Position (..., 3) [m] at a height [m] on the WGS 84 ellipsoid, in Earth-fixed axes."""
+    up, scale, height = broadcast_batch(
+        vertical(latitude, longitude),
+        jnp.asarray([1.0, 1.0, _FLAT]),
+        jnp.asarray(height)[..., None],
+    )
     across = EQUATORIAL_RADIUS / jnp.sqrt(jnp.sum(scale * up**2, axis=-1))
-    return across[..., None] * scale * up
+    return (across[..., None] * scale + height) * up
 
 
-def elevation(position: ArrayLike, latitude: ArrayLike, longitude: ArrayLike) -> jax.Array:
+def elevation(
+    position: ArrayLike, latitude: ArrayLike, longitude: ArrayLike, height: ArrayLike = 0.0
+) -> jax.Array:
     """Angle (...) [rad] of a satellite above the horizon of a place; position Earth-fixed [m]."""
     position, at, up = broadcast_batch(
-        position, place(latitude, longitude), vertical(latitude, longitude)
+        position, place(latitude, longitude, height), vertical(latitude, longitude)
     )
     sight = position - at
     return jnp.arctan2(dot(sight, up), norm(cross(sight, up)))

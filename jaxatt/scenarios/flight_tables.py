@@ -16,8 +16,10 @@ from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.attitudes import attitude_given
 from jaxatt.problems.reading.dates import read_epoch
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
@@ -82,17 +84,24 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
     )
 
 
-def read_reference(data: Any, origin: str, initial: InitialState, notes: list[str]) -> Asked:
-    """Read the reference that the laws follow."""
+def read_reference(
+    data: Any, origin: str, initial: InitialState, notes: list[str], sky: Sky
+) -> Asked:
+    """Read the reference that the laws follow; sky : what its attitude may be told by."""
     table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
     manoeuvre = table.text("manoeuvre", " ").strip()
     given = attitude_given(table)
-    if manoeuvre and (given or "rate_rad_s" in table):
+    if manoeuvre and (given or "rate_rad_s" in table or "rate" in table):
         table.fail("manoeuvre", "given beside an attitude or rate", "keep one of them")
+    since = table.number("from_s", 0.0, at_least=0.0)
+    if given:
+        attitude, rate = read_state(table, notes, sky, since)
+    else:
+        attitude, rate = initial.q_ob, table.vector("rate_rad_s", 3, np.zeros(3))
     return Asked(
-        read_attitude(table, notes) if given else initial.q_ob,
-        table.vector("rate_rad_s", 3, np.zeros(3)),
-        table.number("from_s", 0.0, at_least=0.0),
+        attitude,
+        rate,
+        since,
         table.flag("attitude_held", True),
         manoeuvre,
     )

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+from jaxatt.problems.reading.schema import AIM_KEYS
 from jaxatt.spacecraft.checks import Float64
 
 _UNIT_TOLERANCE = 1e-9
@@ -17,7 +17,7 @@ _AXIS_TOLERANCE = 1e-5
 _LARGEST_MRP = 1e5
 
 _TURNED = ("axis", "angle_deg", "angle_rad")
-_FORMS = (("attitude_deg",), ("attitude_quaternion",), ("attitude_mrp",), _TURNED)
+_FORMS = (("attitude_deg",), ("attitude_quaternion",), ("attitude_mrp",), _TURNED, AIM_KEYS)
 _WHOLE_TURN = (
     "stands for a turn of 360 deg, where sigma = axis tan(angle/4) is infinite",
     "[0.0, 0.0, 0.0] is the same attitude",
@@ -43,25 +43,42 @@ def quaternion_from_angles(angles: Float64) -> Float64:
 
 def attitude_given(table: Table) -> bool:
     """Return whether a table states an attitude in any form."""
-    return any(key in table for key in ATTITUDE_KEYS)
+    return any(key in table for form in _FORMS for key in form)
 
 
 def replaced_by(key: str) -> tuple[str, ...]:
     """Return the keys that a new value under `key` replaces: all other forms of an attitude."""
-    if key not in ATTITUDE_KEYS:
+    every = tuple(other for form in _FORMS for other in form)
+    if key not in every:
         return ()
     same = next(form for form in _FORMS if key in form)
     kept = ("axis",) if key.startswith("angle_") else same
-    return tuple(other for other in ATTITUDE_KEYS if other not in kept)
+    return tuple(other for other in every if other not in kept)
 
 
-def read_attitude(table: Table, notes: list[str]) -> Float64:
-    """Read the unit quaternion q_ob of a table, (4,); a note says when it was normalised."""
+def check_one_form(table: Table) -> None:
+    """Refuse a table that states its attitude in two forms."""
+    _form(table)
+
+
+def _form(table: Table) -> tuple[str, ...]:
+    """Keys of the form in which a table states its attitude, angles by default."""
     given = [form for form in _FORMS if any(key in table for key in form)]
     if len(given) > 1:
         first, second = (next(key for key in form if key in table) for form in given[:2])
         table.fail(second, f"given beside {first}", "keep one of the two and drop the other")
-    form = given[0] if given else _FORMS[0]
+    return given[0] if given else _FORMS[0]
+
+
+def read_attitude(table: Table, notes: list[str]) -> Float64:
+    """Read the unit quaternion q_ob of a table, (4,); a note says when it was normalised."""
+    form = _form(table)
+    if form is AIM_KEYS:
+        table.fail(
+            next(key for key in form if key in table),
+            "not in this table, where the attitude must be fixed",
+            "give attitude_deg",
+        )
     if form is _TURNED:
         return _from_axis(table, notes)
     if "attitude_mrp" in form:

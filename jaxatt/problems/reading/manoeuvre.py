@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
-from jaxatt.problems.reading.attitudes import read_attitude
+from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
@@ -22,8 +23,10 @@ def nearest_whole(value: float) -> int:
     return math.floor(value + 0.5)
 
 
-def read_initial(data: Any, origin: str, vehicle: Spacecraft, notes: list[str]) -> InitialState:
-    """Read the initial state of a spacecraft."""
+def read_initial(
+    data: Any, origin: str, vehicle: Spacecraft, notes: list[str], sky: Sky
+) -> InitialState:
+    """Read the initial state of a spacecraft; sky : what its attitude may be told by."""
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
     count = vehicle.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
@@ -34,52 +37,69 @@ def read_initial(data: Any, origin: str, vehicle: Spacecraft, notes: list[str]) 
             f"exceeds the speed limit {limits.tolist()} rad/s",
             "start slower or raise [vehicle.wheels] speed_limit_rad_s",
         )
-    attitude = read_attitude(table, notes)
-    return InitialState(attitude, table.vector("rate_rad_s", 3, np.zeros(3)), speeds)
+    return InitialState(*read_state(table, notes, sky, 0.0), speeds)
 
 
-def read_targets(document: dict[str, Any], origin: str, notes: list[str]) -> tuple[Target, ...]:
-    """Read the target, or one target for each of the [[legs]]."""
+def read_targets(
+    document: dict[str, Any], origin: str, notes: list[str], sky: Sky, horizon: Horizon
+) -> tuple[Target, ...]:
+    """Read the target, or one target for each of the [[legs]], each at the end of a horizon."""
+    first = horizon.shortest if horizon.free else horizon.duration
+    last = horizon.longest if horizon.free else horizon.duration
     if "target" in document and "legs" in document:
         raise ScenarioError(
             f"{origin}: [target] and [[legs]] are both given; keep [target] for one manoeuvre or "
             "[[legs]] for successive ones"
         )
     if "legs" not in document:
-        return (read_target(document.get("target"), origin, "[target]", notes),)
+        return (read_target(document.get("target"), origin, "[target]", notes, sky, first, last),)
     phases = document["legs"]
     if not isinstance(phases, list) or not phases:
         raise ScenarioError(
             f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
         )
     return tuple(
-        read_target(phase, origin, f"[[legs]] no. {index + 1}", notes)
-        for index, phase in enumerate(phases)
+        read_target(phase, origin, f"[[legs]] no. {leg}", notes, sky, leg * first, leg * last)
+        for leg, phase in enumerate(phases, 1)
     )
 
 
-def read_target(data: Any, origin: str, label: str, notes: list[str]) -> Target:
-    """Read one target, from a table that messages call `label`."""
+def read_target(
+    data: Any,
+    origin: str,
+    label: str,
+    notes: list[str],
+    sky: Sky,
+    first: float = 0.0,
+    last: float = 0.0,
+) -> Target:
+    """Read one target, from a table that messages call `label`.
+
+    first, last : [s] between which it is reached.
+    """
     if data is None:
         raise ScenarioError(
             f"{origin}: [target] is missing; add it with attitude_deg = [phi, theta, psi]"
         )
     table = Table(data, origin, label, SPACECRAFT_TABLES["target"])
     tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
+    attitude, rate = read_state(table, notes, sky, first, last)
     return Target(
-        q_ob=read_attitude(table, notes),
-        omega_ob=table.vector("rate_rad_s", 3, np.zeros(3)),
+        q_ob=attitude,
+        omega_ob=rate,
         attitude_tolerance=math.radians(tolerance),
         rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
     )
 
 
-def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str]) -> Waypoint:
+def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str], sky: Sky) -> Waypoint:
     """Read the waypoint; its time moves to the nearest node, with a note if it moved."""
     table = Table(data, origin, "[waypoint]", SPACECRAFT_TABLES["waypoint"])
     node = _node_by_number(table, horizon) if "node" in table else _node(table, horizon, notes)
     tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)
-    attitude = read_attitude(table, notes)
+    first = node * (horizon.shortest / horizon.intervals if horizon.free else horizon.step)
+    last = node * (horizon.longest / horizon.intervals if horizon.free else horizon.step)
+    attitude, _ = read_state(table, notes, sky, first, last)
     return Waypoint(attitude, node * horizon.step, node, math.radians(tolerance))
 
 

@@ -15,7 +15,24 @@ ATTITUDE_KEYS = (
 )
 """Three angles, a quaternion, modified Rodrigues parameters, or an axis with an angle."""
 
-_TARGET = (*ATTITUDE_KEYS, "rate_rad_s", "attitude_tolerance_deg", "rate_tolerance_rad_s")
+AIM_KEYS = ("align", "constrain")
+"""A body axis that points along a direction, and one that is turned towards another."""
+DIRECTION_KEYS = (
+    "body",
+    "toward",
+    "direction_inertial",
+    "direction_orbit",
+    "right_ascension_deg",
+    "declination_deg",
+    "latitude_deg",
+    "longitude_deg",
+    "height_m",
+    "satellite",
+)
+"""A body axis, and a direction in words, by components, or by angles."""
+
+POSE_KEYS = (*ATTITUDE_KEYS, *AIM_KEYS)
+_TARGET = (*POSE_KEYS, "rate_rad_s", "rate", "attitude_tolerance_deg", "rate_tolerance_rad_s")
 _HORIZON = (
     "horizon_s",
     "intervals",
@@ -116,10 +133,10 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "gravitational_parameter_m3_s2",
         "epoch",
     ),
-    "initial": (*ATTITUDE_KEYS, "rate_rad_s", "wheel_speed_rad_s"),
+    "initial": (*POSE_KEYS, "rate_rad_s", "rate", "wheel_speed_rad_s"),
     "target": _TARGET,
     "legs": _TARGET,
-    "waypoint": (*ATTITUDE_KEYS, "time_s", "node", "tolerance_deg"),
+    "waypoint": (*POSE_KEYS, "time_s", "node", "tolerance_deg"),
     "horizon": _HORIZON,
     "disturbances": (
         "gravity_gradient",

@@ -11,6 +11,7 @@ import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
@@ -58,15 +59,18 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
         document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"), _PRINTED
     )
     if "other_target" in heading.printed:
-        manoeuvre.read_target(heading.printed["other_target"], origin, "[printed.other_target]", [])
+        manoeuvre.read_target(
+            heading.printed["other_target"], origin, "[printed.other_target]", [], Sky()
+        )
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
     objective = _read_objective(document["objective"], origin, vehicle)
     _check_document(document, origin, notes)
     horizon = _read_horizon(document["horizon"], origin)
-    targets = manoeuvre.read_targets(document, origin, notes)
+    sky = Sky(folder=folder)
+    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon)
     control = _read_control(document.get("control", {}), origin)
-    initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes)
+    initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes, sky)
     _check_storable(origin, vehicle, initial, targets[0])
     scenario = Scenario(
         **vars(heading),

@@ -11,6 +11,7 @@ from jaxatt.problems.hands_off.reading.valves import check_thrusters
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.reading import manoeuvre, settings
 from jaxatt.problems.reading.dates import SUNLIGHT, check_epoch
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.moments import moments_of
@@ -18,7 +19,8 @@ from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Control, Horizon, Scenario
+from jaxatt.problems.scenario import Control, Horizon, Orbit, Scenario
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.spacecraft import Spacecraft
 
 QUANTISATIONS = ("pulse-width", "interval", "none")
@@ -38,12 +40,6 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
             "objective that minimises time"
         )
     horizon = settings.read_horizon(document["horizon"], origin)
-    targets = manoeuvre.read_targets(document, origin, notes)
-    waypoint = None
-    if "waypoint" in document:
-        if len(targets) > 1 or "legs" in document:
-            raise ScenarioError(f"{origin}: [waypoint] and [[legs]] are both given; keep one")
-        waypoint = manoeuvre.read_waypoint(document["waypoint"], origin, horizon, notes)
     check_free_time(document, origin, horizon, objective)
     windows = read_windows(document.get("windows", []), origin, horizon)
     if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
@@ -57,7 +53,14 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
     orbit = None
     if "orbit" in document:
         orbit = read_orbit(document["orbit"], origin, folder, notes)
-        orbit = covering(orbit, document["orbit"], origin, _length(horizon, len(targets)))
+        orbit = covering(orbit, document["orbit"], origin, _length(horizon, _phases(document)))
+    sky = _sky(orbit, folder)
+    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon)
+    waypoint = None
+    if "waypoint" in document:
+        if len(targets) > 1 or "legs" in document:
+            raise ScenarioError(f"{origin}: [waypoint] and [[legs]] are both given; keep one")
+        waypoint = manoeuvre.read_waypoint(document["waypoint"], origin, horizon, notes, sky)
     disturbances = settings.read_disturbances(document.get("disturbances", {}), origin, horizon)
     if disturbances.gravity_gradient and orbit is None:
         raise ScenarioError(
@@ -72,7 +75,7 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
         family="hands-off",
         vehicle=vehicle,
         orbit=orbit,
-        initial=manoeuvre.read_initial(document["initial"], origin, vehicle, notes),
+        initial=manoeuvre.read_initial(document["initial"], origin, vehicle, notes, sky),
         targets=targets,
         waypoint=waypoint,
         horizon=horizon,
@@ -93,6 +96,19 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario
+
+
+def _phases(document: dict[str, Any]) -> int:
+    """Number of phases, before their targets are read."""
+    legs = document.get("legs")
+    return len(legs) if isinstance(legs, list) else 1
+
+
+def _sky(orbit: Orbit | None, folder: Path | None) -> Sky:
+    """What attitudes may be told by; they refer to the orbit frame, where there is one."""
+    if orbit is None:
+        return Sky(folder=folder)
+    return Sky("orbit", motion_of(orbit), orbit.days, folder=folder)
 
 
 def _length(horizon: Horizon, phases: int) -> float:

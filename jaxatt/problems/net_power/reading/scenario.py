@@ -19,14 +19,17 @@ from jaxatt.problems.net_power.reading.objective import read_baseline, read_obje
 from jaxatt.problems.net_power.reading.printed import PRINTED_ROWS, check_printed_totals
 from jaxatt.problems.net_power.reading.satellite import read_satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
-from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.attitudes import attitude_given
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.settings import MOST_INTERVALS, read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Horizon, Orbit, Scenario
+from jaxatt.problems.scenario import Horizon, Scenario
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -44,7 +47,6 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     orbit = None
     if "orbit" in document:
         orbit = read_orbit(document["orbit"], origin, folder, notes)
-    initial, initial_frame = _initial(document["initial"], origin, craft, orbit, notes)
     plan = "tasks" in document
     if plan and "target" in document:
         raise ScenarioError(
@@ -62,6 +64,11 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
         length = plan_length(document, origin, orbit.days) if plan else longest
         orbit = covering(orbit, document["orbit"], origin, length)
     satellite = read_satellite(document, origin, craft, orbit, wheel_power, longest)
+    fixed = None if satellite.light.sun is None else np.asarray(satellite.light.sun)
+    sky = Sky(days=None if orbit is None else orbit.days, sun=fixed, folder=folder)
+    if orbit is not None:
+        sky = replace(sky, motion=motion_of(orbit))
+    initial, initial_frame = _initial(document["initial"], origin, craft, sky, notes)
     floor = _floor(document.get("limits", {}), origin, craft)
     tasks: tuple[Task, ...] = ()
     if plan:
@@ -74,7 +81,9 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
         )
     target, target_frame, speeds = None, "inertial", None
     if "target" in document:
-        target, target_frame, speeds = _target(document["target"], origin, craft, orbit, notes)
+        target, target_frame, speeds = _target(
+            document["target"], origin, craft, sky, horizon, notes
+        )
     return Scenario(
         **vars(heading),
         family="net-power",
@@ -159,28 +168,27 @@ def _plan_horizon(document: dict[str, Any], origin: str) -> Horizon:
     return Horizon(duration=0.0, intervals=0, coast_intervals=0, substeps=read_substeps(table))
 
 
-def _frame(table: Table, orbit: Orbit | None) -> str:
+def _framed(table: Table, sky: Sky) -> Sky:
+    """The sky with the frame that a table's attitude refers to."""
     frame = table.choice("frame", _FRAMES, "inertial")
-    if frame == "orbit" and orbit is None:
+    if frame == "orbit" and sky.motion is None:
         table.fail("frame", "there is no [orbit]", 'add one, or use "inertial"')
-    return frame
+    return replace(sky, frame=frame)
 
 
 def _initial(
-    data: Any, origin: str, craft: Spacecraft, orbit: Orbit | None, notes: list[str]
+    data: Any, origin: str, craft: Spacecraft, sky: Sky, notes: list[str]
 ) -> tuple[InitialState, str]:
     table = Table(data, origin, "[initial]", NET_POWER_TABLES["initial"])
     count = craft.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
     _check_speeds(table, speeds, craft)
-    state = InitialState(
-        read_attitude(table, notes), table.vector("rate_rad_s", 3, np.zeros(3)), speeds
-    )
-    return state, _frame(table, orbit)
+    sky = _framed(table, sky)
+    return InitialState(*read_state(table, notes, sky, 0.0), speeds), sky.frame
 
 
 def _target(
-    data: Any, origin: str, craft: Spacecraft, orbit: Orbit | None, notes: list[str]
+    data: Any, origin: str, craft: Spacecraft, sky: Sky, horizon: Horizon, notes: list[str]
 ) -> tuple[Target | None, str, Floats | None]:
     """Read the target; an empty one leaves attitude and rate at the end free."""
     table = Table(data, origin, "[target]", NET_POWER_TABLES["target"])
@@ -188,20 +196,24 @@ def _target(
     if "wheel_speed_rad_s" in table:
         speeds = table.vector("wheel_speed_rad_s", craft.wheels.count)
         _check_speeds(table, speeds, craft)
-    frame = _frame(table, orbit)
+    sky = _framed(table, sky)
     if not attitude_given(table):
-        if "rate_rad_s" in table:
-            table.fail("rate_rad_s", "without an attitude", "give the attitude, too")
-        return None, frame, speeds
+        for key in ("rate_rad_s", "rate"):
+            if key in table:
+                table.fail(key, "without an attitude", "give the attitude, too")
+        return None, sky.frame, speeds
     tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
+    first = horizon.shortest if horizon.free else horizon.duration
+    last = horizon.longest if horizon.free else horizon.duration
+    attitude, rate = read_state(table, notes, sky, first, last)
     return (
         Target(
-            q_ob=read_attitude(table, notes),
-            omega_ob=table.vector("rate_rad_s", 3, np.zeros(3)),
+            q_ob=attitude,
+            omega_ob=rate,
             attitude_tolerance=math.radians(tolerance),
             rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
         ),
-        frame,
+        sky.frame,
         speeds,
     )
 

@@ -1,0 +1,168 @@
+"""Read attitudes that are told by where body axes point, and rates told in words."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import Array
+
+from jaxatt.attitude import quaternion
+from jaxatt.environment import frames, toward
+from jaxatt.environment.epoch import SECONDS_PER_DAY
+from jaxatt.environment.motion import Motion
+from jaxatt.problems.reading.attitudes import check_one_form, read_attitude
+from jaxatt.problems.reading.dates import moment_of
+from jaxatt.problems.reading.directions import Aim, Sky, read_aim
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import AIM_KEYS
+from jaxatt.runtime.settings import RUNS_ONCE
+from jaxatt.spacecraft.checks import Float64
+
+_LEAST_APART = 0.1
+"""[deg] Two axes nearer to each other, or to opposite, leave the roll to chance."""
+_MOVED = 1e-4
+"""[deg] By which an attitude may differ between the shortest and the longest final time."""
+_RATES = ("orbit", "inertial", "track")
+
+_apart = jax.jit(toward.apart, compiler_options=RUNS_ONCE)
+_elevation = jax.jit(toward.ToSite.elevation, compiler_options=RUNS_ONCE)
+
+
+def read_state(
+    table: Table, notes: list[str], sky: Sky, first: float, last: float | None = None
+) -> tuple[Float64, Float64]:
+    """Read attitude (4,) and rate (3,) [rad/s] of the body relative to the sky's frame.
+
+    The rate is that of `rate_rad_s`, 0 by default, or what `rate` says in words.
+    first, last : [s] between which the attitude is to be had; what moves in between is refused.
+    Raises `ScenarioError`.
+    """
+    aimed = any(key in table for key in AIM_KEYS)
+    told = table.choice("rate", _RATES, _RATES[0]) if "rate" in table else ""
+    if told and "rate_rad_s" in table:
+        table.fail("rate", "given beside rate_rad_s", "keep one of the two and drop the other")
+    if told == "track" and not aimed:
+        table.fail("rate", "there is nothing to track", 'add align, or use rate = "inertial"')
+    if told == "orbit" and sky.motion is None:
+        table.fail("rate", "there is no [orbit]", 'add one, or use rate = "inertial"')
+    if not aimed:
+        q = read_attitude(table, notes)
+        return q, _rate(table, told, q, sky, first, np.zeros(3))
+    aims = _read_aims(table, notes, sky, first, last)
+    q, rate = _aimed(table, aims, sky, first)
+    if last is not None and last > first:
+        later, _ = _aimed(table, aims, sky, last)
+        moved = math.degrees(2.0 * math.acos(min(1.0, abs(float(q @ later)))))
+        if moved > _MOVED:
+            table.fail(
+                "align",
+                f"moves by {moved:.3g} deg between the shortest and the longest final time",
+                "fix the final time, or point along what rests in the frame of the attitudes",
+            )
+    return q, _rate(table, told, q, sky, first, rate)
+
+
+def _rate(table: Table, told: str, q: Float64, sky: Sky, time: float, tracking: Float64) -> Float64:
+    """Rate relative to the sky's frame; tracking : that of an attitude that follows its aims."""
+    if not told:
+        return table.vector("rate_rad_s", 3, np.zeros(3))
+    if told == "track":
+        return tracking
+    if sky.motion is None or told == sky.frame:
+        return np.zeros(3)
+    with jax.enable_x64(True):
+        carried = np.asarray(_carried(sky.motion, q, sky.frame == "orbit", float(time)))
+    return carried if told == "orbit" else -carried
+
+
+def _aimed(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> tuple[Float64, Float64]:
+    """Attitude and tracking rate at a time, relative to the sky's frame."""
+    first, second = aims
+    motion = sky.motion if sky.frame == "orbit" else None
+    with jax.enable_x64(True):
+        wanted = math.degrees(float(_apart(first.direction, second.direction, float(time))))
+        if not _LEAST_APART < wanted < 180.0 - _LEAST_APART:
+            table.fail(
+                "constrain",
+                f"{second.words} stands {wanted:.3g} deg from {first.words}, which leaves the "
+                "roll to chance",
+                "constrain an axis toward something else",
+            )
+        _check_sight(table, aims, sky, time)
+        found = _relative_pose(
+            first.body, first.direction, second.body, second.direction, motion, float(time)
+        )
+    q, rate = (np.asarray(part) for part in found)
+    return np.where(q[0] < 0.0, -q, q), rate
+
+
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
+def _relative_pose(
+    body: Array,
+    direction: toward.Direction,
+    second_body: Array,
+    second: toward.Direction,
+    motion: Motion | None,
+    time: Array,
+) -> tuple[Array, Array]:
+    """Attitude and rate that follow two directions, relative to the orbit frame if there is one."""
+    q_ib, omega_ib = toward.pose(body, direction, second_body, second, jnp.asarray(time))
+    if motion is None:
+        return q_ib, omega_ib
+    here = motion.at(jnp.asarray(time))
+    q_io = frames.quaternion_io(here.position, here.velocity)
+    q_ob = quaternion.multiply(quaternion.conjugate(q_io), q_ib)
+    return q_ob, omega_ib - quaternion.rotate_inverse(q_ob, frames.omega_io(*here))
+
+
+@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
+def _carried(motion: Motion, q: Array, relative: Array, time: Array) -> Array:
+    """Rate (3,) of the orbit frame in body axes; q : of the body, relative to it or inertial."""
+    here = motion.at(jnp.asarray(time))
+    q_io = frames.quaternion_io(here.position, here.velocity)
+    q_ob = jnp.where(relative, q, quaternion.multiply(quaternion.conjugate(q_io), q))
+    return quaternion.rotate_inverse(q_ob, frames.omega_io(*here))
+
+
+def _check_sight(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> None:
+    """Refuse a place on the ground that stands below the satellite's horizon."""
+    for aim in aims:
+        if not isinstance(aim.direction, toward.ToSite):
+            continue
+        angle = math.degrees(float(_elevation(aim.direction, float(time))))
+        if angle <= 0.0:
+            when = moment_of((sky.days or 0.0) + time / SECONDS_PER_DAY)
+            table.fail(
+                aim.key,
+                f"{aim.words} is out of sight: the satellite stands {angle:.2f} deg above its "
+                f"horizon at {when:%Y-%m-%dT%H:%M:%SZ}",
+                "move the manoeuvre in time, or check the place and the orbit",
+            )
+
+
+def _read_aims(
+    table: Table, notes: list[str], sky: Sky, first: float, last: float | None
+) -> tuple[Aim, Aim]:
+    for key, other in (AIM_KEYS, AIM_KEYS[::-1]):
+        if key not in table:
+            table.fail(
+                key,
+                f"missing beside {other}; one axis leaves the roll about it open",
+                f'add {key} = {{ body = [1.0, 0.0, 0.0], toward = "velocity" }}',
+            )
+    check_one_form(table)
+    aligned, constrained = (
+        read_aim(table, key, notes, sky, first if last is None else last) for key in AIM_KEYS
+    )
+    between = math.degrees(float(np.arccos(np.clip(aligned.body @ constrained.body, -1.0, 1.0))))
+    if not _LEAST_APART < between < 180.0 - _LEAST_APART:
+        table.fail(
+            "constrain",
+            f"its body axis stands {between:.3g} deg from the one that is aligned",
+            "constrain another axis",
+        )
+    return aligned, constrained

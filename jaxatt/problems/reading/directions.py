@@ -1,0 +1,166 @@
+"""Read the directions that body axes are pointed along."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from jaxatt.environment import igrf, toward
+from jaxatt.environment.epoch import SECONDS_PER_DAY, decimal_year
+from jaxatt.environment.motion import Motion
+from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, moment_of
+from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.orbit import covering, read_orbit
+from jaxatt.problems.reading.schema import DIRECTION_KEYS
+from jaxatt.problems.surroundings import motion_of
+from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft.checks import Float64
+
+_WORDS = ("nadir", "velocity", "sun", "field", "site", "satellite")
+_GIVEN = ("toward", "direction_inertial", "direction_orbit", "right_ascension_deg")
+_NEEDS_ORBIT = ("nadir", "velocity", "field", "site", "satellite", "direction_orbit")
+_NEEDS_DATE = ("sun", "field", "site")
+_OWN_KEYS = {
+    "right_ascension_deg": ("declination_deg",),
+    "site": ("latitude_deg", "longitude_deg", "height_m"),
+    "satellite": ("satellite",),
+}
+"""Keys that have a meaning with one kind of direction only."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sky:
+    """What a satellite may be pointed at, and the axes that its attitudes refer to.
+
+    motion : along the orbit; None without one.  days : time zero, since J2000; None without a date.
+    sun : (3,), a fixed sun in inertial axes; None for the true one.
+    frame : "orbit" or "inertial".  folder : where files are looked up.
+    """
+
+    frame: str = "inertial"
+    motion: Motion | None = None
+    days: float | None = None
+    sun: Floats | None = None
+    folder: Path | None = None
+
+
+class Aim(NamedTuple):
+    """A body axis, and the direction that it is asked to have.
+
+    key : of its table.  words : the direction, for messages.
+    """
+
+    key: str
+    body: Float64
+    direction: toward.Direction
+    words: str
+
+
+def read_aim(whole: Table, key: str, notes: list[str], sky: Sky, last: float) -> Aim:
+    table = Table(whole.data[key], whole.origin, f"{whole.label} {key}", DIRECTION_KEYS)
+    body = unit(table, "body")
+    given = [each for each in _GIVEN if each in table]
+    if len(given) != 1:
+        wrong = given[1] if given else "toward"
+        problem = f"given beside {given[0]}" if given else "no direction is given"
+        table.fail(wrong, problem, f"give exactly one of {', '.join(_GIVEN)}")
+    kind = table.choice("toward", _WORDS, "nadir") if given[0] == "toward" else given[0]
+    _check_keys(table, kind)
+    _check_known(table, kind, given[0], sky, last)
+    direction, words = _direction(table, kind, notes, sky, last)
+    return Aim(key, body, direction, words)
+
+
+def _direction(
+    table: Table, kind: str, notes: list[str], sky: Sky, last: float
+) -> tuple[toward.Direction, str]:
+    """A direction, and what messages call it."""
+    if kind == "direction_inertial":
+        return toward.AmongStars(unit(table, kind)), "the direction"
+    if kind == "right_ascension_deg":
+        ra = math.radians(table.number("right_ascension_deg"))
+        dec = math.radians(table.number("declination_deg", at_least=-90.0, at_most=90.0))
+        x, y = math.cos(dec) * math.cos(ra), math.cos(dec) * math.sin(ra)
+        return toward.AmongStars(np.array([x, y, math.sin(dec)])), "the direction"
+    if kind == "sun":
+        fixed = None if sky.sun is None else toward.AmongStars(sky.sun)
+        return fixed or toward.ToSun(_days(sky)), "the sun"
+    motion = sky.motion
+    assert motion is not None
+    if kind == "direction_orbit":
+        return toward.InOrbitAxes(unit(table, kind), motion), "the direction"
+    if kind == "nadir":
+        return toward.InOrbitAxes(np.array([0.0, 0.0, 1.0]), motion), "the nadir"
+    if kind == "velocity":
+        return toward.AlongVelocity(motion), "the velocity"
+    if kind == "field":
+        model = igrf.at_year(decimal_year(moment_of(_days(sky))))
+        return toward.AlongField(motion, _days(sky), model), "the magnetic field"
+    if kind == "satellite":
+        return _to_satellite(table, notes, sky, last), "the other satellite"
+    return _to_site(table, notes, sky)
+
+
+def _to_site(table: Table, notes: list[str], sky: Sky) -> tuple[toward.Direction, str]:
+    assert sky.motion is not None
+    latitude = table.number("latitude_deg", at_least=-90.0, at_most=90.0, example="63.42")
+    longitude = table.number("longitude_deg", at_least=-360.0, at_most=360.0, example="10.39")
+    height = table.number("height_m", 0.0, at_least=-1e4, at_most=1e5)
+    if all(abs(x) <= math.pi and not float(x).is_integer() for x in (latitude, longitude)):
+        notes.append(
+            f"{table.label}: latitude {latitude:g} and longitude {longitude:g} are taken as "
+            f"degrees; as radians they would be {math.degrees(latitude):.4g} and "
+            f"{math.degrees(longitude):.4g} deg"
+        )
+    at = (math.radians(latitude), math.radians(longitude), height)
+    words = f"the place {latitude:g}, {longitude:g} deg"
+    return toward.ToSite(sky.motion, _days(sky), *at), words
+
+
+def _to_satellite(table: Table, notes: list[str], sky: Sky, last: float) -> toward.Direction:
+    assert sky.motion is not None
+    data = table.require("satellite", '{ tle_file = "other.tle" }')
+    other = read_orbit(
+        data, f"{table.origin}: {table.label} satellite", sky.folder, notes, sky.days
+    )
+    other = covering(other, data, f"{table.origin}: {table.label} satellite", last)
+    return toward.ToSatellite(sky.motion, motion_of(other))
+
+
+def _check_keys(table: Table, kind: str) -> None:
+    """Refuse keys that belong to another kind of direction."""
+    for other, keys in _OWN_KEYS.items():
+        for key in keys:
+            if other != kind and key in table:
+                table.fail(key, f"has no meaning with {kind}", "drop it")
+
+
+def _check_known(table: Table, kind: str, key: str, sky: Sky, last: float) -> None:
+    """Refuse a direction that nobody knows without orbit, date or model."""
+    if kind in _NEEDS_ORBIT and sky.motion is None:
+        table.fail(key, "needs an orbit", "add [orbit], or give direction_inertial")
+    if kind not in _NEEDS_DATE or (kind == "sun" and sky.sun is not None):
+        return
+    if sky.days is None:
+        table.fail(key, "needs the date", 'add a line such as epoch = "2026-06-21T12:00:00Z"')
+    model: DatedModel | None = {"sun": SUNLIGHT, "field": MAGNETIC_FIELD}.get(kind)
+    if model and not (model.holds(sky.days) and model.holds(sky.days + last / SECONDS_PER_DAY)):
+        table.fail(key, f"{model.name} is known from {model.span}", "give a date within")
+
+
+def _days(sky: Sky) -> float:
+    assert sky.days is not None
+    return sky.days
+
+
+def unit(table: Table, key: str) -> Float64:
+    """Read a direction (3,) of any length as a unit vector."""
+    vector = table.vector(key, 3)
+    size = float(np.linalg.norm(vector))
+    if not size > 1e-12:
+        table.fail(key, "is zero, which is no direction", "give a vector such as [0.0, 0.0, 1.0]")
+    return np.asarray(vector / size)
