@@ -36,7 +36,7 @@ class AmongStars:
 
     def at(self, time: Array) -> Array:
         """See `Direction`."""
-        return jnp.asarray(self.vector) + 0.0 * time
+        return jnp.asarray(self.vector, float)
 
 
 @jax.tree_util.register_dataclass

@@ -57,7 +57,9 @@ def test_nadir_and_velocity_are_those_of_the_orbit():
     for time in np.random.default_rng(2911).uniform(0.0, 6000.0, 5):
         here = MOTION.at(jnp.asarray(time))
         down, along = (ALL[name].at(jnp.asarray(time)) for name in ("nadir", "velocity"))
-        np.testing.assert_allclose(down, -here.position / jnp.linalg.norm(here.position), atol=1e-14)
+        np.testing.assert_allclose(
+            down, -here.position / jnp.linalg.norm(here.position), atol=1e-14
+        )
         np.testing.assert_array_equal(along, here.velocity)
         assert float(toward.apart(ALL["nadir"], ALL["velocity"], jnp.asarray(time))) == (
             pytest.approx(np.pi / 2, abs=0.01)

@@ -26,6 +26,8 @@ _LEAST_APART = 0.1
 """[deg] Two axes nearer to each other, or to opposite, leave the roll to chance."""
 _MOVED = 1e-4
 """[deg] By which an attitude may differ between the shortest and the longest final time."""
+_LONG = 600.0
+"""[s] After which a direction that moves has moved, where there is no longest final time."""
 _RATES = ("orbit", "inertial", "track")
 
 _apart = jax.jit(toward.apart, compiler_options=RUNS_ONCE)
@@ -55,7 +57,7 @@ def read_state(
     aims = _read_aims(table, notes, sky, first, last)
     q, rate = _aimed(table, aims, sky, first)
     if last is not None and last > first:
-        later, _ = _aimed(table, aims, sky, last)
+        later, _ = _aimed(table, aims, sky, min(last, first + _LONG))
         moved = math.degrees(2.0 * math.acos(min(1.0, abs(float(q @ later)))))
         if moved > _MOVED:
             table.fail(
