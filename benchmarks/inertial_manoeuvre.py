@@ -8,7 +8,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchmarks.casadi_model import numbers_of
-from jaxatt.problems import host_turns
+from jaxatt.attitude import host_turns
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.runtime.arrays import Floats

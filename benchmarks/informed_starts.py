@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.inertial_manoeuvre import InertialManoeuvre
-from jaxatt.problems import host_turns
+from jaxatt.attitude import host_turns
 from jaxatt.runtime.arrays import Floats
 
 _SUBSTEPS = 6

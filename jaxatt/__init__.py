@@ -15,6 +15,7 @@ from jaxatt.pipeline.solve import solve
 from jaxatt.problems.hands_off.report.certificate import Certificate
 from jaxatt.records.phase import Phase
 from jaxatt.report.archive import open_archive
+from jaxatt.report.export.export import export
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.report.result import Result
 from jaxatt.runtime.settings import configure
@@ -63,6 +64,7 @@ __all__ = [
     "design",
     "differentiable_minimum",
     "differentiable_program",
+    "export",
     "minimize",
     "open_archive",
     "open_study",

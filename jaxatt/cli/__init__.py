@@ -11,7 +11,9 @@ import typer
 
 from jaxatt.cli.certify import certify
 from jaxatt.cli.compare import compare
+from jaxatt.cli.conventions import conventions
 from jaxatt.cli.design import design
+from jaxatt.cli.export import export
 from jaxatt.cli.map import map_
 from jaxatt.cli.merge import merge
 from jaxatt.cli.orbit import orbit
@@ -46,6 +48,8 @@ for command in (
     sweep,
     merge,
     show,
+    export,
+    conventions,
 ):
     app.command()(command)
 app.command("map")(map_)

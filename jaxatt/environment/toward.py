@@ -136,7 +136,11 @@ class ToSatellite:
 
 
 def pose(
-    body: ArrayLike, toward: Direction, second_body: ArrayLike, second: Direction, time: Array
+    body: ArrayLike,
+    toward: Direction,
+    second_body: ArrayLike,
+    second: Direction,
+    time: Array | float,
 ) -> tuple[Array, Array]:
     """Attitude q_ib (4,), and the rate omega_ib (3,) [rad/s] with which it follows its directions.
 
@@ -147,6 +151,7 @@ def pose(
     def attitude(t: Array) -> Array:
         return align(body, toward.at(t), second_body, second.at(t))
 
+    time = jnp.asarray(time)
     q, moving = jax.jvp(attitude, (time,), (jnp.ones_like(time),))
     return q, 2.0 * quaternion.multiply(quaternion.conjugate(q), moving)[1:]
 

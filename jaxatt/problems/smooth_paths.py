@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from jaxatt.problems.host_turns import conjugate, product, to_body, turn_of, turned_by
+from jaxatt.attitude.host_turns import conjugate, product, to_body, turn_of, turned_by
 from jaxatt.runtime.arrays import Flags, Floats
 
 _DETOUR = 0.7

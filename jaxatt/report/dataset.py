@@ -247,6 +247,7 @@ def _attributes(result: Answer, sections: Sections) -> Mapping[str, Any]:
         "title": scenario.title,
         "source": scenario.source,
         "scenario_document": json.dumps(scenario.document),
+        "scenario_folder": "" if scenario.folder is None else str(scenario.folder.resolve()),
         "objective": scenario.objective.kind,
         "terminal": scenario.objective.terminal,
         "status": result.status,

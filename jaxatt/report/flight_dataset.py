@@ -85,5 +85,8 @@ def flight_dataset(result: FlightRecord) -> xarray.Dataset:
             "device": result.device,
             "versions": json.dumps(dict(result.versions)),
             "document": json.dumps(result.scenario.document),
+            "scenario_folder": ""
+            if result.scenario.folder is None
+            else str(result.scenario.folder.resolve()),
         },
     )

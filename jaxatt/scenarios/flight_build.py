@@ -15,6 +15,7 @@ from jaxatt.environment.along_orbit import Nodes, OrbitTask, inertial_nodes, tab
 from jaxatt.environment.external import Along
 from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.surroundings import motion_of
+from jaxatt.scenarios.file_reference import followed
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.simulation.campaign import Start
 from jaxatt.simulation.closed_loop import Flight, Noise, Reference
@@ -39,7 +40,7 @@ def build_flight(scenario: FlightScenario, plan: Plan | None = None) -> tuple[Fl
     timing = scenario.timing
     samples, steps = timing.samples, timing.steps
     along, nodes = _surroundings(scenario, samples * steps, steps)
-    reference = _reference(scenario, plan)
+    reference = _reference(scenario, plan, nodes)
 
     each = samples // timing.records
 
@@ -93,7 +94,7 @@ def _surroundings(scenario: FlightScenario, count: int, steps: int) -> tuple[Alo
     return along, jax.tree.map(lambda leaf: leaf[::steps], nodes)
 
 
-def _reference(scenario: FlightScenario, plan: Plan | None) -> Reference:
+def _reference(scenario: FlightScenario, plan: Plan | None, nodes: Nodes) -> Reference:
     asked, count = scenario.asked, scenario.timing.samples + 1
     time = scenario.timing.sampling * np.arange(count)
     on = time >= asked.since - 1e-9
@@ -104,6 +105,10 @@ def _reference(scenario: FlightScenario, plan: Plan | None) -> Reference:
     if asked.held and asked.omega_ob.any():
         turned = np.where(on, time - asked.since, 0.0)[:, None] * asked.omega_ob
         q = np.asarray(quaternion.multiply(q, quaternion.from_rotation_vector(turned)))
+    if asked.path is not None:
+        q[on], rate[on], torque[on] = followed(
+            scenario, asked.path, np.asarray(time[on], np.float64), nodes
+        )
     if plan is not None:
         first = int(np.argmax(on))
         covered = min(len(plan.q_ob), count - first)

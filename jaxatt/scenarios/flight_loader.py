@@ -4,20 +4,18 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading import manoeuvre
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch, read_epoch
-from jaxatt.problems.reading.directions import Sky
+from jaxatt.problems.reading.directions import sky_over
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.names import check_folder_name, read_name
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.printed import read_printed
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.surroundings import motion_of
 from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
 from jaxatt.scenarios.flight_model import FlightScenario
@@ -58,11 +56,11 @@ def flight_from_mapping(
             )
         orbit = covering(orbit, data["orbit"], origin, timing.duration)
     around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
-    sky = Sky(folder=folder, days=around.days, sun=around.sun)
-    if orbit is not None:
-        sky = replace(sky, frame="orbit", motion=motion_of(orbit))
+    sky = sky_over(orbit, folder, days=around.days, sun=around.sun)
     initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes, sky)
-    asked = flight_tables.read_reference(data.get("reference", {}), origin, initial, notes, sky)
+    asked = flight_tables.read_reference(
+        data.get("reference", {}), origin, initial, notes, sky, timing.duration
+    )
     signal, band, since = flight_tables.read_settling(data.get("settling", {}), origin, asked.since)
     dumping = None
     if "dumping" in data:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from jaxatt.attitude.attitude_path import AttitudePath
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import ExternalTorques
@@ -42,6 +43,7 @@ class Asked:
     q_ob : (4,).  omega_ob : (3,) [rad/s], in body axes; the attitude turns along with it.
     held : whether the attitude is to be held, or only the rate.
     manoeuvre : name or file of a scenario whose optimised answer is flown instead, or "".
+    path : inertial attitudes of a file that are followed instead, by time from the start.
     """
 
     q_ob: Float64
@@ -49,6 +51,7 @@ class Asked:
     since: float
     held: bool
     manoeuvre: str
+    path: AttitudePath | None = None
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from jaxatt.problems.reading.schema import POSE_KEYS, SPACECRAFT_TABLES
+from jaxatt.problems.reading.schema import FILE_KEYS, POSE_KEYS, SPACECRAFT_TABLES
 
 FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
     "vehicle": SPACECRAFT_TABLES["vehicle"],
@@ -20,8 +20,16 @@ FLIGHT_TABLES: Mapping[str, tuple[str, ...]] = {
         "residual_dipole_Am2",
         "eddy_coefficient",
     ),
-    "initial": (*POSE_KEYS, "rate_rad_s", "wheel_speed_rad_s"),
-    "reference": (*POSE_KEYS, "rate_rad_s", "rate", "from_s", "attitude_held", "manoeuvre"),
+    "initial": SPACECRAFT_TABLES["initial"],
+    "reference": (
+        *POSE_KEYS,
+        "rate_rad_s",
+        "rate",
+        "from_s",
+        "attitude_held",
+        "manoeuvre",
+        *FILE_KEYS,
+    ),
     "simulation": ("duration_s", "sampling_s", "step_s", "hold", "records", "tumbling_rad_s"),
     "settling": ("signal", "band_deg", "band_rad_s", "since_s"),
     "noise": ("rate_rad_s", "wheel_speed_rad_s"),

@@ -17,10 +17,12 @@ from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import attitude_given
 from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import POSE_KEYS
 from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
@@ -85,15 +87,29 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
 
 
 def read_reference(
-    data: Any, origin: str, initial: InitialState, notes: list[str], sky: Sky
+    data: Any,
+    origin: str,
+    initial: InitialState,
+    notes: list[str],
+    sky: Sky,
+    duration: float,
 ) -> Asked:
-    """Read the reference that the laws follow; sky : what its attitude may be told by."""
+    """Read the reference that the laws follow.
+
+    sky : what its attitude may be told by.  duration : [s], of the flight.
+    """
     table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
     manoeuvre = table.text("manoeuvre", " ").strip()
     given = attitude_given(table)
     if manoeuvre and (given or "rate_rad_s" in table or "rate" in table):
         table.fail("manoeuvre", "given beside an attitude or rate", "keep one of them")
     since = table.number("from_s", 0.0, at_least=0.0)
+    path = None
+    if "aem_file" in table:
+        refuse_beside_file(table, (*POSE_KEYS, "rate_rad_s", "rate", "attitude_held", "manoeuvre"))
+        path = read_path(table, sky.folder, sky.days, min(since, duration), duration)
+    elif "at" in table:
+        table.fail("at", "given without aem_file", "name the file, or drop it")
     if given:
         attitude, rate = read_state(table, notes, sky, since)
     else:
@@ -104,6 +120,7 @@ def read_reference(
         since,
         table.flag("attitude_held", True),
         manoeuvre,
+        path,
     )
 
 

@@ -1,24 +1,22 @@
-"""Read attitudes that are told by where body axes point, and rates told in words."""
+"""Read states: attitudes by numbers, by where body axes point or from a file, and rates."""
 
 from __future__ import annotations
 
-import functools
 import math
 
 import jax
-import jax.numpy as jnp
 import numpy as np
-from jax import Array
 
-from jaxatt.attitude import quaternion
-from jaxatt.environment import frames, toward
+from jaxatt.attitude.host_turns import conjugate, product, to_body
+from jaxatt.environment import toward
 from jaxatt.environment.epoch import SECONDS_PER_DAY
-from jaxatt.environment.motion import Motion
+from jaxatt.problems.along_orbit import along_orbit, from_inertial
+from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import check_one_form, read_attitude
 from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.reading.directions import Aim, Sky, read_aim
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AIM_KEYS
+from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.spacecraft.checks import Float64
 
@@ -30,6 +28,7 @@ _LONG = 600.0
 """[s] After which a direction that moves has moved, where there is no longest final time."""
 _RATES = ("orbit", "inertial", "track")
 
+_pose = jax.jit(toward.pose, compiler_options=RUNS_ONCE)
 _apart = jax.jit(toward.apart, compiler_options=RUNS_ONCE)
 _elevation = jax.jit(toward.ToSite.elevation, compiler_options=RUNS_ONCE)
 
@@ -43,6 +42,10 @@ def read_state(
     first, last : [s] between which the attitude is to be had; what moves in between is refused.
     Raises `ScenarioError`.
     """
+    if "aem_file" in table:
+        return _in_file(table, sky, first)
+    if "at" in table:
+        table.fail("at", "given without aem_file", "name the file, or drop it")
     aimed = any(key in table for key in AIM_KEYS)
     told = table.choice("rate", _RATES, _RATES[0]) if "rate" in table else ""
     if told and "rate_rad_s" in table:
@@ -68,6 +71,15 @@ def read_state(
     return q, _rate(table, told, q, sky, first, rate)
 
 
+def _in_file(table: Table, sky: Sky, time: float) -> tuple[Float64, Float64]:
+    """Attitude and rate that a CCSDS file has at a time."""
+    refuse_beside_file(table, (*POSE_KEYS, "rate_rad_s", "rate"))
+    instant = np.array([time])
+    found = read_path(table, sky.folder, sky.days, time, time).at(instant)
+    q, rate = from_inertial(sky.motion if sky.frame == "orbit" else None, instant, *found)
+    return q[0], rate[0]
+
+
 def _rate(table: Table, told: str, q: Float64, sky: Sky, time: float, tracking: Float64) -> Float64:
     """Rate relative to the sky's frame; tracking : that of an attitude that follows its aims."""
     if not told:
@@ -76,8 +88,9 @@ def _rate(table: Table, told: str, q: Float64, sky: Sky, time: float, tracking: 
         return tracking
     if sky.motion is None or told == sky.frame:
         return np.zeros(3)
-    with jax.enable_x64(True):
-        carried = np.asarray(_carried(sky.motion, q, sky.frame == "orbit", float(time)))
+    here = along_orbit(sky.motion, np.array([time]))
+    q_ob = q if sky.frame == "orbit" else product(conjugate(here.q_io[0]), q)
+    carried = to_body(q_ob, here.omega_io[0])
     return carried if told == "orbit" else -carried
 
 
@@ -95,39 +108,10 @@ def _aimed(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> tuple[
                 "constrain an axis toward something else",
             )
         _check_sight(table, aims, sky, time)
-        found = _relative_pose(
-            first.body, first.direction, second.body, second.direction, motion, float(time)
-        )
-    q, rate = (np.asarray(part) for part in found)
-    return np.where(q[0] < 0.0, -q, q), rate
-
-
-@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
-def _relative_pose(
-    body: Array,
-    direction: toward.Direction,
-    second_body: Array,
-    second: toward.Direction,
-    motion: Motion | None,
-    time: Array,
-) -> tuple[Array, Array]:
-    """Attitude and rate that follow two directions, relative to the orbit frame if there is one."""
-    q_ib, omega_ib = toward.pose(body, direction, second_body, second, jnp.asarray(time))
-    if motion is None:
-        return q_ib, omega_ib
-    here = motion.at(jnp.asarray(time))
-    q_io = frames.quaternion_io(here.position, here.velocity)
-    q_ob = quaternion.multiply(quaternion.conjugate(q_io), q_ib)
-    return q_ob, omega_ib - quaternion.rotate_inverse(q_ob, frames.omega_io(*here))
-
-
-@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
-def _carried(motion: Motion, q: Array, relative: Array, time: Array) -> Array:
-    """Rate (3,) of the orbit frame in body axes; q : of the body, relative to it or inertial."""
-    here = motion.at(jnp.asarray(time))
-    q_io = frames.quaternion_io(here.position, here.velocity)
-    q_ob = jnp.where(relative, q, quaternion.multiply(quaternion.conjugate(q_io), q))
-    return quaternion.rotate_inverse(q_ob, frames.omega_io(*here))
+        found = _pose(first.body, first.direction, second.body, second.direction, float(time))
+        posed = (np.asarray(part)[None] for part in found)
+    q, rate = from_inertial(motion, np.array([time]), *posed)
+    return np.where(q[0, 0] < 0.0, -q[0], q[0]), rate[0]
 
 
 def _check_sight(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> None:

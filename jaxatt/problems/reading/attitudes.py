@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AIM_KEYS
+from jaxatt.problems.reading.schema import AIM_KEYS, FILE_KEYS
 from jaxatt.spacecraft.checks import Float64
 
 _UNIT_TOLERANCE = 1e-9
@@ -49,11 +49,13 @@ def attitude_given(table: Table) -> bool:
 def replaced_by(key: str) -> tuple[str, ...]:
     """Return the keys that a new value under `key` replaces: all other forms of an attitude."""
     every = tuple(other for form in _FORMS for other in form)
+    if key in FILE_KEYS:
+        return (*every, "rate_rad_s", "rate")
     if key not in every:
         return ()
     same = next(form for form in _FORMS if key in form)
     kept = ("axis",) if key.startswith("angle_") else same
-    return tuple(other for other in every if other not in kept)
+    return (*(other for other in every if other not in kept), *FILE_KEYS)
 
 
 def check_one_form(table: Table) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import jax
 import numpy as np
 
 from jaxatt.environment import igrf, toward
@@ -16,6 +17,7 @@ from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, 
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.schema import DIRECTION_KEYS
+from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import motion_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.checks import Float64
@@ -46,6 +48,25 @@ class Sky:
     days: float | None = None
     sun: Floats | None = None
     folder: Path | None = None
+
+
+def sky_over(
+    orbit: Orbit | None,
+    folder: Path | None,
+    frame: str = "orbit",
+    days: float | None = None,
+    sun: Floats | None = None,
+) -> Sky:
+    """What is over a spacecraft on an orbit, whatever precision JAX is set to.
+
+    frame : that attitudes refer to; without an orbit they are inertial.  days : of time zero,
+    since J2000, where the orbit does not say it.
+    """
+    if orbit is None:
+        return Sky("inertial", None, days, sun, folder)
+    with jax.enable_x64(True):
+        motion = motion_of(orbit)
+    return Sky(frame, motion, orbit.days if days is None else days, sun, folder)
 
 
 class Aim(NamedTuple):
@@ -128,7 +149,8 @@ def _to_satellite(table: Table, notes: list[str], sky: Sky, last: float) -> towa
         data, f"{table.origin}: {table.label} satellite", sky.folder, notes, sky.days
     )
     other = covering(other, data, f"{table.origin}: {table.label} satellite", last)
-    return toward.ToSatellite(sky.motion, motion_of(other))
+    with jax.enable_x64(True):
+        return toward.ToSatellite(sky.motion, motion_of(other))
 
 
 def _check_keys(table: Table, kind: str) -> None:

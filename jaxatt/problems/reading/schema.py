@@ -32,6 +32,8 @@ DIRECTION_KEYS = (
 """A body axis, and a direction in words, by components, or by angles."""
 
 POSE_KEYS = (*ATTITUDE_KEYS, *AIM_KEYS)
+FILE_KEYS = ("aem_file", "at")
+"""A CCSDS attitude file, and the moment (UTC) in it at which the scenario starts."""
 _TARGET = (*POSE_KEYS, "rate_rad_s", "rate", "attitude_tolerance_deg", "rate_tolerance_rad_s")
 _HORIZON = (
     "horizon_s",
@@ -133,7 +135,7 @@ SPACECRAFT_TABLES: Mapping[str, tuple[str, ...]] = {
         "gravitational_parameter_m3_s2",
         "epoch",
     ),
-    "initial": (*POSE_KEYS, "rate_rad_s", "rate", "wheel_speed_rad_s"),
+    "initial": (*POSE_KEYS, "rate_rad_s", "rate", "wheel_speed_rad_s", *FILE_KEYS),
     "target": _TARGET,
     "legs": _TARGET,
     "waypoint": (*POSE_KEYS, "time_s", "node", "tolerance_deg"),

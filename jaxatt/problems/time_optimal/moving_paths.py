@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jaxatt.problems.host_turns import product
+from jaxatt.attitude.host_turns import product
 from jaxatt.problems.smooth_paths import DRAWS, Ends, Shapes, follow, shapes
 from jaxatt.problems.time_optimal.paths import Paths, states_along
 from jaxatt.problems.time_optimal.task import ReorientationTask

@@ -12,8 +12,8 @@ import numpy as np
 from jax import Array, lax
 
 from jaxatt.attitude import errors, mrp
+from jaxatt.attitude.host_turns import conjugate, product
 from jaxatt.environment.table import EnvironmentTable, Surroundings, environment_at, tabulate
-from jaxatt.problems.host_turns import conjugate, product
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.cones import PointingLimits, cone_angles

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from jaxatt import scenarios
+from jaxatt.attitude.host_turns import product, to_body
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.candidates import support_of
 from jaxatt.problems.hands_off.search.search import search
-from jaxatt.problems.host_turns import product, to_body
 
 INERTIA = np.array([[0.0775, 0.0002, -0.0002], [0.0002, 0.1067, 0.0005], [-0.0002, 0.0005, 0.0389]])
 AXES = np.vstack([np.eye(3), np.full(3, 3.0**-0.5)])

@@ -5,7 +5,7 @@ import pytest
 from references import random_vehicles
 
 from jaxatt import scenarios
-from jaxatt.problems import host_turns
+from jaxatt.attitude import host_turns
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.time_optimal.moving_paths import moving_paths
 from jaxatt.problems.time_optimal.phase import build_time_task

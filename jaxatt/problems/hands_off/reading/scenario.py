@@ -11,7 +11,7 @@ from jaxatt.problems.hands_off.reading.valves import check_thrusters
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.reading import manoeuvre, settings
 from jaxatt.problems.reading.dates import SUNLIGHT, check_epoch
-from jaxatt.problems.reading.directions import Sky
+from jaxatt.problems.reading.directions import sky_over
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.moments import moments_of
@@ -19,8 +19,7 @@ from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Control, Horizon, Orbit, Scenario
-from jaxatt.problems.surroundings import motion_of
+from jaxatt.problems.scenario import Control, Horizon, Scenario
 from jaxatt.spacecraft import Spacecraft
 
 QUANTISATIONS = ("pulse-width", "interval", "none")
@@ -54,7 +53,7 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
     if "orbit" in document:
         orbit = read_orbit(document["orbit"], origin, folder, notes)
         orbit = covering(orbit, document["orbit"], origin, _length(horizon, _phases(document)))
-    sky = _sky(orbit, folder)
+    sky = sky_over(orbit, folder)
     targets = manoeuvre.read_targets(document, origin, notes, sky, horizon)
     waypoint = None
     if "waypoint" in document:
@@ -102,13 +101,6 @@ def _phases(document: dict[str, Any]) -> int:
     """Number of phases, before their targets are read."""
     legs = document.get("legs")
     return len(legs) if isinstance(legs, list) else 1
-
-
-def _sky(orbit: Orbit | None, folder: Path | None) -> Sky:
-    """What attitudes may be told by; they refer to the orbit frame, where there is one."""
-    if orbit is None:
-        return Sky(folder=folder)
-    return Sky("orbit", motion_of(orbit), orbit.days, folder=folder)
 
 
 def _length(horizon: Horizon, phases: int) -> float:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from jaxatt.attitude.host_turns import conjugate, product, to_body
 from jaxatt.problems.hands_off.slew.model import SlewParameters
 from jaxatt.problems.hands_off.slew.mounting import Mounting
-from jaxatt.problems.host_turns import conjugate, product, to_body
 from jaxatt.problems.smooth_paths import DRAWS, Ends, follow, shapes
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.vehicle import Spacecraft

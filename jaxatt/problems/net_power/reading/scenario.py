@@ -20,8 +20,9 @@ from jaxatt.problems.net_power.reading.printed import PRINTED_ROWS, check_printe
 from jaxatt.problems.net_power.reading.satellite import read_satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.attitude_files import refuse_beside_file
 from jaxatt.problems.reading.attitudes import attitude_given
-from jaxatt.problems.reading.directions import Sky
+from jaxatt.problems.reading.directions import Sky, sky_over
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
@@ -29,7 +30,6 @@ from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.settings import MOST_INTERVALS, read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Horizon, Scenario
-from jaxatt.problems.surroundings import motion_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -65,9 +65,7 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
         orbit = covering(orbit, document["orbit"], origin, length)
     satellite = read_satellite(document, origin, craft, orbit, wheel_power, longest)
     fixed = None if satellite.light.sun is None else np.asarray(satellite.light.sun)
-    sky = Sky(days=None if orbit is None else orbit.days, sun=fixed, folder=folder)
-    if orbit is not None:
-        sky = replace(sky, motion=motion_of(orbit))
+    sky = sky_over(orbit, folder, "inertial", sun=fixed)
     initial, initial_frame = _initial(document["initial"], origin, craft, sky, notes)
     floor = _floor(document.get("limits", {}), origin, craft)
     tasks: tuple[Task, ...] = ()
@@ -183,6 +181,8 @@ def _initial(
     count = craft.wheels.count
     speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
     _check_speeds(table, speeds, craft)
+    if "aem_file" in table:
+        refuse_beside_file(table, ("frame",))
     sky = _framed(table, sky)
     return InitialState(*read_state(table, notes, sky, 0.0), speeds), sky.frame
 

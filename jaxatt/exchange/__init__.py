@@ -1,0 +1,1 @@
+"""Attitudes and orbits in the files of other tools: CCSDS, STK, tables of numbers."""

@@ -1,0 +1,1 @@
+"""Attitude and orbit files, for other tools, of results that were saved."""
