@@ -12,6 +12,7 @@ from jaxatt import scenarios
 from jaxatt.exchange.aem import aem_text
 from jaxatt.exchange.motion import Named
 from jaxatt.problems.along_orbit import along_orbit
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.scenarios import ScenarioError, flight_from_mapping
 
 HISTORY = turning(5, count=241, step=0.5)
@@ -34,7 +35,7 @@ def begun(name, initial, **changes):
 
 def test_a_slew_starts_relative_to_the_orbit_frame_as_the_file_says(file) -> None:
     scenario = begun("hypso1-90-45-15", {"aem_file": file, "at": AT})
-    frame = along_orbit(scenario.orbit, np.zeros(1))
+    frame = along_orbit(motion_of(scenario.orbit), np.zeros(1))
     r_io = Rotation.from_quat(frame.q_io, scalar_first=True)
     r_ob = Rotation.from_quat(scenario.initial.q_ob, scalar_first=True)
     r_ib = Rotation.from_quat(HISTORY.q_ib[60], scalar_first=True)
