@@ -22,6 +22,10 @@ def sensitivities(
             show_default=False,
         ),
     ] = None,
+    phase: Annotated[
+        int | None,
+        typer.Option(help="Phase, from 1, of a scenario that has several.", show_default=False),
+    ] = None,
     starts: Starts = None,
     seed: Seed = None,
     out: Out = None,
@@ -34,7 +38,7 @@ def sensitivities(
         prepare_jax(compile_cache)
         names = None if parameters is None else [part.strip() for part in parameters.split(",")]
         with Reporter(starts or scenario.solver.starts, quiet) as report:
-            found = find(scenario, names, starts=starts, seed=seed, report=report)
+            found = find(scenario, names, starts=starts, seed=seed, phase=phase, report=report)
         finish(repr(found), found.save(folder), folder, quiet, found.table())
         if not found.regular:
             complain("the answer is not regular; the table says why, and which derivatives hold")

@@ -50,7 +50,7 @@ def differentiable_minimum(
 
     The other arguments are those of the call of `minimize`.  The result is called with `args`; its
     variables are "x", (n,).  Its `sensitivities` are also by the finite bounds.
-    names : of the inequalities, for messages.
+    names : of the inequalities, then of the lower and the upper bounds, for messages.
 
     Raises ValueError where the minimum met no constraints, or does not fit the functions.
     """

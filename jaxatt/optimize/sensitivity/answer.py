@@ -191,14 +191,16 @@ def answer_at(conditions: Conditions, args: Any, near: Any) -> Answer:
         multipliers = flattened(conditions.multipliers(found.point))
         size = max(1.0, float(np.abs(multipliers).max(initial=0.0)))
         wrong = np.where(active, multipliers < -_OFF * size, margins < -_OFF) & ~pinned
-        point = found.point if np.isfinite(float(found.residual)) else point
+        settled = np.isfinite(float(found.residual))
+        point = found.point if settled else point
         if not wrong.any() or (active ^ wrong).tobytes() in seen:
             break
         active = active ^ wrong
     holding = Holding(
         active, margins, multipliers, pinned, float(found.residual), int(found.passes)
     )
-    system = _system(conditions, point, args)
+    # Compiled again only where there is no other way.
+    system = found.system if settled else _system(conditions, point, args)
     at = conditions.condensed(system, point)
     flags = flags_of(at, holding, conditions.labels(point))
     return Answer(conditions, args, point, unflattened(like, active), system, at, holding, flags)

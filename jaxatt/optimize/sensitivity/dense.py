@@ -59,7 +59,8 @@ class DenseSystem(NamedTuple):
 class DenseConditions(Conditions):
     """Conditions of an objective under equalities, inequalities and bounds.
 
-    names : of the inequalities; their numbers without them.
+    names : of the inequalities, then of the lower and the upper bounds; numbers of those that it
+    leaves out.
     """
 
     functions: Functions
@@ -145,11 +146,10 @@ class DenseConditions(Conditions):
         )
 
     def labels(self, point: DensePoint) -> tuple[str, ...]:
-        rows = list(self.names)
-        rows += [f"inequality {i}" for i in range(len(rows), len(point.limits.inequality))]
+        rows = [f"inequality {i}" for i in range(len(point.limits.inequality))]
         for side in ("lower", "upper"):
             rows += [f"{side} bound of x[{i}]" for i in range(len(point.x))]
-        return tuple(rows)
+        return (*self.names, *rows[len(self.names) :])
 
 
 def _within(x: Array, box: Box) -> tuple[Array, Array]:

@@ -60,10 +60,12 @@ def step_of(
 class Settled(NamedTuple):
     """A point after Newton steps.
 
+    system : of the conditions there; zeros where the residual is not finite.
     residual : (), of the conditions.  passes : (), those that reduced it.
     """
 
     point: Any
+    system: Any
     residual: Array
     passes: Array
 
@@ -71,29 +73,33 @@ class Settled(NamedTuple):
 def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settled:
     """Take Newton steps on the conditions for as long as they reduce the residual, or soon do."""
 
+    system_of = jax.jit(conditions.system)  # traced once, for its shapes and in the loop
+
     def going(state: tuple[Any, ...]) -> Array:
         return state[-1]
 
     def onward(state: tuple[Any, ...]) -> tuple[Any, ...]:
-        kept, size, point, passes, stalls, _ = state
-        system = conditions.system(point, args)
+        best, size, point, passes, stalls, _ = state
+        system = system_of(point, args)
         found = conditions.residual(system, point, active)
         left = size_of(found)
         better = left < size
-        kept = jax.tree.map(lambda a, b: jnp.where(better, a, b), point, kept)
+        best = jax.tree.map(lambda a, b: jnp.where(better, a, b), (point, system), best)
         rounding = left <= _ROUNDING
         step = conditions.solve(system, active, jax.tree.map(jnp.negative, found))
         stalls = jnp.where(better, 0, stalls + 1)
         goes_on = (stalls <= _MOST_STALLS) & ~rounding & (passes < _MOST_PASSES)
         gains = goes_on & better
         size = jnp.where(better, left, size)
-        return kept, size, conditions.moved(point, step), passes + gains, stalls, goes_on
+        return best, size, conditions.moved(point, step), passes + gains, stalls, goes_on
 
+    shapes = jax.eval_shape(system_of, point, args)
+    unknown = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     infinite = jnp.asarray(jnp.inf)
     none = jnp.zeros((), int)
-    start = (point, infinite, point, none, none, jnp.asarray(True))
-    kept, size, _, passes, _, _ = lax.while_loop(going, onward, start)
-    return Settled(kept, size, passes)
+    start = ((point, unknown), infinite, point, none, none, jnp.asarray(True))
+    (kept, system), size, _, passes, _, _ = lax.while_loop(going, onward, start)
+    return Settled(kept, system, size, passes)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))

@@ -97,14 +97,16 @@ def flags_of(at: Condensed, holding: Holding, labels: tuple[str, ...]) -> tuple[
             )
         )
     rows = np.concatenate([at.equality, at.margins[holding.active | holding.weak]])
-    dependent, null = _null_space(rows, _VANISHING[rough])
+    rank, null = _null_space(rows, _VANISHING[rough])
     slow = holding.passes > _USUAL_PASSES
-    if dependent or (slow and not null.shape[1]):
+    if rank < len(rows) or (slow and not null.shape[1]):
+        count = f", of rank {rank}," if rank < len(rows) else ""
         found.append(
             Flag(
                 Degeneracy.DEPENDENT_LIMITS,
-                f"{_named(holding.active, labels) or 'equations'}: the gradients of what holds "
-                "vanish or depend on each other (LICQ fails), so the multipliers are not unique",
+                f"{_named(holding.active, labels) or 'equations'}: the gradients of the "
+                f"{len(rows)} equations and limits that hold{count} vanish or depend on each other "
+                "(LICQ fails), so the multipliers are not unique",
             )
         )
     if holding.weak.any():
@@ -129,19 +131,19 @@ def _named(which: Flags, labels: tuple[str, ...]) -> str:
     return ", ".join(names[:_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
-def _null_space(rows: Floats, vanishing: float) -> tuple[bool, Floats]:
-    """Whether rows (m, n) are dependent, and a basis (n, n - rank) of what they leave free."""
+def _null_space(rows: Floats, vanishing: float) -> tuple[int, Floats]:
+    """Rank of rows (m, n), and a basis (n, n - rank) of what they leave free."""
     n = rows.shape[1]
     length = np.linalg.norm(rows, axis=1)
     there = length > vanishing * length.max(initial=0.0)
     usable = rows[there] / length[there, None]
     if not len(rows):
-        return False, np.eye(n)
+        return 0, np.eye(n)
     if not np.isfinite(usable).all():
-        return True, np.eye(n)
+        return 0, np.eye(n)
     _, values, vectors = np.linalg.svd(usable, full_matrices=True)
     rank = int((values > _DEPENDENT).sum())
-    return rank < len(rows), vectors[rank:].T
+    return rank, vectors[rank:].T
 
 
 def _flat(hessian: Floats, null: Floats, scale: float) -> float | None:

@@ -19,7 +19,7 @@ from jaxatt.problems.hands_off.reading.scenario import read_hands_off
 from jaxatt.problems.hands_off.record import FinalTimes
 from jaxatt.problems.hands_off.report.sections import HANDS_OFF
 from jaxatt.problems.hands_off.search.search import Found
-from jaxatt.problems.hands_off.sensitive import sensitive_effort
+from jaxatt.problems.hands_off.sensitive import sensitive_support
 from jaxatt.problems.hands_off.slew.flight import fly_slew
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.sparse_program import DecidedBy
@@ -98,13 +98,15 @@ class SparseFamily(Family):
     def sensitive(
         self, scenario: Scenario, start: PhaseStart, found: SparseAnswer
     ) -> SensitiveAnswer:
-        build, task = self.build(scenario, start), found.task
+        build = self.build(scenario, start)
+        task = found.task.keeping_path_limits_of(found.task)
         time = None if not scenario.horizon.free else task.final_time
 
         def again(scenario: Scenario) -> SparseTask:
-            return build(scenario, enforce_speed_limits=task.limits_speeds, final_time=time)
+            other = build(scenario, enforce_speed_limits=task.limits_speeds, final_time=time)
+            return other.keeping_path_limits_of(task)
 
-        return sensitive_effort(scenario, task, found.found, again)
+        return sensitive_support(scenario, task, found.found, again)
 
     def extra(self, scenario: Scenario, found: Sequence[SparseAnswer]) -> Mapping[str, Any]:
         if scenario.objective.terminal != "penalty":

@@ -18,7 +18,7 @@ from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSyst
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.verdict import Verdict
 from jaxatt.records.pointing import PointingRecord
-from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.simulation.flight_error import FlightError
 
 _BINDING = 1e-3
@@ -111,6 +111,22 @@ class SparseTask(ABC):
     def watches(self) -> bool:
         """Whether flights are looked at between the nodes, for cones and rate limits."""
         return False
+
+    def keeping_path_limits_of(self, like: SparseTask) -> Self:
+        """The same task with cones and rate limits in its programme, as tight as in `like`."""
+        return self
+
+    @property
+    def path_names(self) -> tuple[str, ...]:
+        """Names of the path constraints of the programme, in the order of `system.margins`."""
+        return ()
+
+    @property
+    def one_sided(self) -> Flags:
+        """Whether each of the scaled controls cannot be negative, (b,)."""
+        if self.system.bounds is None:
+            return np.zeros(self.size, bool)
+        return np.asarray(self.system.bounds(self.arguments.plant)[0]) >= 0.0
 
     @property
     def final_time(self) -> float:

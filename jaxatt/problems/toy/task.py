@@ -156,6 +156,12 @@ class ToyTask(SparseTask):
             row_weight=jnp.full(len(target), jnp.inf),
         )
 
+    @property
+    def path_names(self) -> tuple[str, ...]:
+        """Names of the bound on a state at nodes 1 to N."""
+        bounded = SYSTEMS[self.name].margin is not None
+        return tuple(f"state bound, node {k + 1}" for k in range(self.intervals if bounded else 0))
+
     def to_controls(self, u: Floats | Array) -> Floats:
         """Controls (S, N, 1), clipped to the limit and thresholded."""
         bounded = np.clip(np.asarray(u, float), -1.0, 1.0)

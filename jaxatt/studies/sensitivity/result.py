@@ -88,7 +88,8 @@ class ScenarioSensitivities:
         f = self.found
         table = Table(
             title=Text(
-                f"{self.scenario.title}: {self.label} {f.objective:.6g} {self.unit}", style="bold"
+                f"{self.scenario.title}: {self.label} {f.objective:.6g} {self.unit}".rstrip(),
+                style="bold",
             ),
             caption=Text(self._caption()),
             box=box.SIMPLE_HEAD,
@@ -96,7 +97,7 @@ class ScenarioSensitivities:
             caption_justify="left",
         )
         table.add_column("parameter")
-        for name in ("value", f"derivative [{self.unit} / unit]", "% a per cent"):
+        for name in ("value", f"derivative [{self.unit or 1} / unit]", "% a per cent"):
             table.add_column(Text(name), justify="right")
         for row in self.rows()[:_SHOWN]:
             share = row["percent_per_percent"]
@@ -144,8 +145,8 @@ class ScenarioSensitivities:
     def __repr__(self) -> str:
         state = "regular" if self.regular else "not regular"
         return (
-            f"ScenarioSensitivities({self.scenario.name}: {self.label} {self.found.objective:.6g} "
-            f"{self.unit}, {len(self.found.names)} parameters, {state})"
+            f"ScenarioSensitivities({self.scenario.name}: {self.label} {self.found.objective:.6g}"
+            f"{self.unit and ' '}{self.unit}, {len(self.found.names)} parameters, {state})"
         )
 
     def __str__(self) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 from dataclasses import replace
 
-import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize.equations import Equations
@@ -20,7 +19,7 @@ from jaxatt.problems.hands_off.slew.pointing_path import path_margins
 from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
 from jaxatt.problems.hands_off.slew.response import slew_response
 from jaxatt.problems.hands_off.slew.stages import slew_stages
-from jaxatt.problems.hands_off.slew.thruster_path import path_response
+from jaxatt.problems.hands_off.slew.thruster_path import path_response, thruster_margins
 from jaxatt.problems.hands_off.slew.thruster_response import thruster_response, thruster_rows
 from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseSystem
 
@@ -42,7 +41,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
     if form.has_thrusters:
         return SparseSystem(
             rows=lambda u, p: thruster_rows(u, p, form),
-            margins=lambda u, p: jnp.zeros((0,), u.dtype),
+            margins=lambda u, p: thruster_margins(u, p, form),
             stage_margins=bound_margins,
             turned=lambda p, sign: replace(p, reference=p.reference * sign),
             stretched=_stretched,

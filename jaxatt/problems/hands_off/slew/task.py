@@ -22,6 +22,7 @@ from jaxatt.problems.hands_off.slew.flights import SlewFlights
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.hands_off.slew.mounting import mounting
 from jaxatt.problems.hands_off.slew.moving_starts import moving_starts
+from jaxatt.problems.hands_off.slew.path_names import path_names
 from jaxatt.problems.hands_off.slew.system import slew_system
 from jaxatt.problems.hands_off.task import Goal, SparseTask
 from jaxatt.problems.manoeuvre import (
@@ -162,6 +163,19 @@ class SlewTask(SparseTask):
             plant = replace(self.arguments.plant, pointing=path)
             other.arguments = replace(self.arguments, plant=plant)
         return other
+
+    def keeping_path_limits_of(self, like: SparseTask) -> SlewTask:
+        """See `SparseTask.keeping_path_limits_of`."""
+        if not self.watches:
+            return self
+        given = like.constraint_margin if isinstance(like, SlewTask) else None
+        margin = np.zeros(len(self.pointing.cones) + 1) if given is None else given
+        return self.enforcing(margin, like.limits_speeds)
+
+    @property
+    def path_names(self) -> tuple[str, ...]:
+        """Names of wheel speed limits, then of cones and rate limits, at nodes 1 to N."""
+        return path_names(self.form, self.pointing, self.craft.wheels.count, self.intervals)
 
     def aiming_at(self, targets: Floats) -> SlewTask:
         """The same slew as a batch whose rows have targets q_ob (S, 4) of their own."""

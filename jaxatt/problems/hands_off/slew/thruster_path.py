@@ -13,7 +13,7 @@ from jax import Array, lax
 
 from jaxatt.attitude.state_manifold import retract
 from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
-from jaxatt.problems.hands_off.slew.pointing_path import node_margins
+from jaxatt.problems.hands_off.slew.pointing_path import node_margins, pointing_rows
 from jaxatt.problems.hands_off.slew.thruster_response import Row, fly_thrusters, through_interval
 from jaxatt.simulation.momentum_model import Components
 
@@ -38,6 +38,13 @@ def _worst(margins: Array, count: int) -> tuple[Array, Array]:
         chosen.append(place % nodes)
         which.append(count + axis + 3 * (place // nodes))
     return jnp.stack(chosen), jnp.stack(which)
+
+
+def thruster_margins(u: Array, p: SlewParameters, form: SlewForm) -> Array:
+    """Margins of cones and rates at nodes 1 to N, flat, for scaled controls u (N, b)."""
+    if not form.pointed:
+        return jnp.zeros((0,), u.dtype)
+    return pointing_rows(fly_thrusters(u, p, form)[1], p)
 
 
 def path_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
