@@ -5,8 +5,8 @@
 A pass is that of the method which finds the answer, from one start: of the interior-point method
 for turns; for the programmes on a support, a Newton step on their KKT matrix (derivatives,
 elimination, step), which is what a pass of an interior-point method on them costs.  Both sides are
-compiled before and take turns, straight after each other.  Central differences of the data of the
-problem, for which nothing is solved, stand apart.
+compiled before and take turns, straight after each other; what is compared is CPU time.  Central
+differences of the data of the problem, for which nothing is solved, stand apart.
 """
 
 from __future__ import annotations
@@ -83,17 +83,17 @@ def cost_of(case: str, starts: int, repeats: int) -> Cost:
     once = newton_pass(answer)
     if isinstance(found, TimeAnswer):
         once = interior_pass(found, answer.args)
-    began = time.perf_counter()
+    began = time.process_time()
     along = directions_of(scenario, sensitive.arguments, None)
-    data = time.perf_counter() - began
+    data = time.process_time() - began
 
     def every() -> Any:
         return sensitive.optimum.along(along.names, along.values, along.along)
 
     def timed(run: Callable[[], Any]) -> float:
-        began = time.perf_counter()
+        began = time.process_time()
         jax.block_until_ready(run())
-        return time.perf_counter() - began
+        return time.process_time() - began
 
     timed(once), timed(every)
     turns = [(timed(once), timed(every)) for _ in range(repeats)]

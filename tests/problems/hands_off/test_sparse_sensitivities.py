@@ -29,6 +29,12 @@ LEG = PhaseStart(1, 70.0, jaxatt.scenarios.load("hypso1-75-50-15").initial)
 
 # name: scenario, changes, active intervals at both ends, share of the torque, parameters
 CASES = {
+    "published": (
+        "hypso1-90-45-15",
+        {},
+        ([0], [49], 0.15),
+        ["horizon.horizon_s", "vehicle.inertia_kgm2.0.0", "orbit.semi_major_axis_km"],
+    ),
     "thrusters": (
         "eseo-3",
         THRUSTERS,
