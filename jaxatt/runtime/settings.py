@@ -23,10 +23,19 @@ _FLAGS = {
     "--xla_disable_hlo_passes": "cpu_multi_output_fusion",
 }
 
-QUICK_TO_COMPILE = {"xla_backend_optimization_level": 1, "xla_cpu_use_fusion_emitters": False}
+
+def _unless_set(options: dict[str, int | bool]) -> dict[str, int | bool]:
+    """Those that the environment variable XLA_FLAGS does not set; what it sets holds everywhere."""
+    flags = os.environ.get("XLA_FLAGS", "")
+    return {name: value for name, value in options.items() if f"--{name}=" not in flags}
+
+
+QUICK_TO_COMPILE = _unless_set(
+    {"xla_backend_optimization_level": 1, "xla_cpu_use_fusion_emitters": False}
+)
 """Compiler options for the large programs of a search, which run no slower for them."""
 
-RUNS_ONCE = {"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False}
+RUNS_ONCE = _unless_set({"xla_backend_optimization_level": 0, "xla_cpu_use_fusion_emitters": False})
 """Compiler options for what takes longer to compile than to run."""
 
 

@@ -15,6 +15,7 @@ from jaxatt.attitude import quaternion
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.control.gains import check_gains
 from jaxatt.runtime.chunks import Progress, chunk_for, in_chunks, workers
+from jaxatt.runtime.settings import QUICK_TO_COMPILE
 from jaxatt.simulation.closed_loop import Flight, Flown, fly
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.wheels import ReactionWheels
@@ -68,7 +69,9 @@ def _run(
     return fly(flight, craft, AttitudeState(q_ob, omega_ib, omega_bw), law, keys[5])
 
 
-_each_law = jax.jit(jax.vmap(_run, in_axes=(None, None, None, 0, None)))
+_each_law = jax.jit(
+    jax.vmap(_run, in_axes=(None, None, None, 0, None)), compiler_options=QUICK_TO_COMPILE
+)
 
 
 def fly_laws(flight: Flight, start: Start, laws: FeedbackLaw) -> Flown:
@@ -101,7 +104,9 @@ def _other_axes(key: Array, wheels: ReactionWheels, size: Array) -> ReactionWhee
     return replace(wheels, axes=turned)
 
 
-_runs = jax.jit(jax.vmap(_run, in_axes=(None, None, None, None, 0)))
+_runs = jax.jit(
+    jax.vmap(_run, in_axes=(None, None, None, None, 0)), compiler_options=QUICK_TO_COMPILE
+)
 
 
 def fly_runs(
