@@ -1,9 +1,11 @@
 """Settings for every test: those of the command line, and no silent rank promotion."""
 
+import ctypes
 import gc
 import os
 import resource
 import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -11,7 +13,7 @@ from pathlib import Path
 _OWN_CACHE = "JAX_COMPILATION_CACHE_DIR" not in os.environ
 if _OWN_CACHE:
     os.environ["JAX_COMPILATION_CACHE_DIR"] = tempfile.mkdtemp(prefix="jaxatt-compiled-")
-    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.2"
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
 
 # What a test runs is short beside what it compiles: LLVM's passes cost more than they gain.
 if "XLA_FLAGS" not in os.environ:
@@ -43,7 +45,12 @@ FIRST = (
     "test_timed_cases.py",
     "test_minimize_collection.py",
     # Tests
+    "test_free_time_search.py",
     "test_pointing_cases.py",
+    "test_step_check.py",
+    "test_short_plan.py",
+    "test_design.py",
+    "test_free_time_derivatives.py",
     "test_solve.py",
     "test_solve_program.py",
     "test_time_optimal_search.py",
@@ -75,13 +82,27 @@ def compilations():
 def _no_hoard():
     """Between files, give back compiled programs once they fill much memory."""
     yield
-    statm = Path("/proc/self/statm")  # Linux; elsewhere nothing is given back
-    if statm.exists() and int(statm.read_text().split()[1]) * resource.getpagesize() > ENOUGH:
+    if resident() > ENOUGH:
+        trim()
+    if resident() > ENOUGH:
         for routine in (thing for thing in gc.get_objects() if type(thing) is Routine):
             routine._begun.clear()
             routine._plain.clear()
         gc.collect()
         jax.clear_caches()
+        trim()
+
+
+def resident() -> int:
+    """Memory of this process [B]; 0 where that cannot be read."""
+    statm = Path("/proc/self/statm")
+    return int(statm.read_text().split()[1]) * resource.getpagesize() if statm.exists() else 0
+
+
+def trim() -> None:
+    """Return what is free to the system, or all files after one would find too much in use."""
+    if sys.platform == "linux" and hasattr(libc := ctypes.CDLL(None), "malloc_trim"):
+        libc.malloc_trim(0)
 
 
 def pytest_collection_modifyitems(items: list) -> None:

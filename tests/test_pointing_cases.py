@@ -18,7 +18,7 @@ SHORT = {
     "horizon.intervals": 25,
     "horizon.coast_intervals": 2,
     "windows": None,
-    "solver.starts": 16,
+    "solver.starts": 8,
 }
 
 

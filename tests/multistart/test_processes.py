@@ -17,6 +17,7 @@ from jaxatt.report.archive import open_archive
 from jaxatt.runtime.joining import JoinError, Joining
 
 SCRIPT = Path(__file__).parents[1] / "references/shared_starts.py"
+DEVICES = "--xla_force_host_platform_device_count"
 COUNT = 37
 """Starts, which two processes cannot share evenly."""
 
@@ -35,7 +36,7 @@ def begin(count, process=None, processes=2, port=0, what="", devices=1, variable
         env={
             **os.environ,
             **(variables or {}),
-            "XLA_FLAGS": f"--xla_force_host_platform_device_count={devices}",
+            "XLA_FLAGS": f"{os.environ['XLA_FLAGS']} {DEVICES}={devices}",
             "JAX_PLATFORMS": "cpu",
         },
         stdout=subprocess.PIPE,
@@ -88,7 +89,7 @@ def test_a_whole_solve_is_the_same_in_two_processes_of_two_devices(tmp_path):
             [*command, "--quiet", "--out", tmp_path / name, *flags],
             env={
                 **os.environ,
-                "XLA_FLAGS": f"--xla_force_host_platform_device_count={devices}",
+                "XLA_FLAGS": f"{os.environ['XLA_FLAGS']} {DEVICES}={devices}",
                 "JAX_PLATFORMS": "cpu",
             },
             stdout=subprocess.PIPE,

@@ -118,7 +118,7 @@ def test_a_hair_away():
     scenario = changed(
         {
             "target.attitude_quaternion": turn(np.deg2rad(0.02), [1, 2, -1]),
-            "solver.starts": 64,
+            "solver.starts": 16,
         }
     )
     result = solve_and_refly(scenario)

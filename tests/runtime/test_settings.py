@@ -12,13 +12,16 @@ def run(code, **environment):
     )
 
 
-def test_importing_changes_no_setting():
+def test_importing_changes_no_setting_and_starts_no_backend():
+    """Or `configure` would come too late for XLA's flags: searches would run three times slower."""
     code = """
 import os, jax
 before = dict(jax.config.values)
-import jaxatt
+import jaxatt, jaxatt.cli, jaxatt.problems.time_optimal.phase
+from jax._src import xla_bridge
 assert before == jax.config.values
 assert "XLA_FLAGS" not in os.environ
+assert not xla_bridge.backends_are_initialized()
 """
     ended = run(code)
     assert ended.returncode == 0, ended.stderr
@@ -27,6 +30,7 @@ assert "XLA_FLAGS" not in os.environ
 def test_configure_sets_precision_cores_cache_and_keeps_flags_that_are_there(tmp_path):
     code = f"""
 import os, jax, jaxatt, jax.numpy as jnp
+from jaxatt.runtime import settings
 from jaxatt.runtime.chunks import workers
 assert workers() == 1
 jaxatt.configure(cache={str(tmp_path)!r})
@@ -34,10 +38,12 @@ assert jnp.ones(2).dtype == jnp.float64
 assert workers() == len(os.sched_getaffinity(0))
 assert "--xla_cpu_enable_fast_math=false" in os.environ["XLA_FLAGS"]
 assert "multi_output_fusion" in os.environ["XLA_FLAGS"]
+assert set(settings.RUNS_ONCE) == set(settings.QUICK_TO_COMPILE) == {{"xla_cpu_use_fusion_emitters"}}
 jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
 assert jax.jit(lambda x: 2.0 * x)(1.5) == 3.0
 """
-    ended = run(code, XLA_FLAGS="--xla_cpu_enable_fast_math=false")
+    given = "--xla_cpu_enable_fast_math=false --xla_backend_optimization_level=2"
+    ended = run(code, XLA_FLAGS=given)
     assert ended.returncode == 0, ended.stderr
     assert any(tmp_path.iterdir())
 
@@ -67,13 +73,3 @@ assert jnp.isfinite(found).all()
 """
     ended = run(code)
     assert ended.returncode == 0, ended.stderr
-
-
-def test_importing_the_package_starts_no_backend():
-    """Or `configure` would come too late for XLA's flags: searches would run three times slower."""
-    code = (
-        "import jaxatt, jaxatt.cli, jaxatt.problems.time_optimal.phase\n"
-        "from jax._src import xla_bridge\n"
-        "assert not xla_bridge.backends_are_initialized()\n"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True)

@@ -74,7 +74,7 @@ def multiplied(scenario, factor):
     return scenarios.replace(scenario, changes)
 
 
-@pytest.mark.parametrize("factor", [1e-6, 1e3])
+@pytest.mark.parametrize("factor", [1e-6, pytest.param(1e3, marks=pytest.mark.slow)])
 def test_a_larger_satellite_turns_alike_and_earns_in_proportion(answer, factor):
     want = answer.phases[0]
     phase = jaxatt.solve(multiplied(turn(900.0), factor), starts=STARTS).phases[0]
