@@ -85,13 +85,3 @@ def test_the_command_writes_a_table_and_files(tmp_path):
     assert (tmp_path / "sensitivities.png").stat().st_size > 0
     run = CliRunner().invoke(app, [*arguments, "--parameters", "control.limt"])
     assert run.exit_code == 2 and "control.limit" in run.output
-
-
-def test_what_has_no_sensitivities_says_so():
-    with pytest.raises(jaxatt.ScenarioError, match="no sensitivities yet"):
-        sensitive_answer_of("hypso1-netpower")
-
-
-def sensitive_answer_of(name):
-    scenario = jaxatt.scenarios.load(name)
-    return family_of(scenario).sensitive(scenario, PhaseStart(), None)

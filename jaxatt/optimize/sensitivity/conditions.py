@@ -98,9 +98,6 @@ class Conditions(ABC):
         """Limits that are equations, whose multipliers may have any sign."""
         return jax.tree.map(lambda margin: jnp.zeros(margin.shape, bool), self.multipliers(point))
 
-
-def gradient(conditions: Conditions, point: Any, args: Any, active: Any) -> Any:
-    """Gradient of L, which vanishes at an answer."""
-    return jax.grad(lambda step: conditions.lagrangian(point, step, args, active))(
-        conditions.zero(point)
-    )
+    def gradient(self, point: Any, args: Any, active: Any) -> Any:
+        """Gradient of L, which vanishes at an answer; differentiable."""
+        return jax.grad(lambda step: self.lagrangian(point, step, args, active))(self.zero(point))

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 from jax.flatten_util import ravel_pytree
 
-from jaxatt.optimize.sensitivity.conditions import Conditions, gradient
+from jaxatt.optimize.sensitivity.conditions import Conditions
 
 _MOST_PASSES = 25
 _MOST_STALLS = 3
@@ -125,7 +125,7 @@ def step_along(
     """Step by which an answer moves when its parameters move along a tangent of `args`."""
 
     def at(args: Any) -> Any:
-        return gradient(conditions, point, args, active)
+        return conditions.gradient(point, args, active)
 
     change = jax.jvp(at, (args,), (along,))[1]
     right = jax.tree.map(jnp.negative, change)

@@ -21,13 +21,32 @@ from jaxatt.runtime.settings import QUICK_TO_COMPILE
 Read = Callable[[Any, Any], Mapping[str, Array]]
 """(point, args) -> name of a variable -> its value, in the user's units."""
 
+Worth = Callable[[Array, Any], Array]
+"""(objective (), args) -> the objective as the user counts it, in a unit and with a sign of its
+own."""
+
 _SMOOTH = {Degeneracy.WEAK_LIMIT}
 
 
-@functools.partial(jax.jit, static_argnums=(0, 1))
-def _evaluated(conditions: Any, read: Read, args: Any, near: Any, active: Any) -> Any:
+def _as_it_is(objective: Array, args: Any) -> Array:
+    return objective
+
+
+@functools.partial(jax.jit, static_argnums=(0, 1, 2))
+def _evaluated(conditions: Any, read: Read, worth: Worth, args: Any, near: Any, active: Any) -> Any:
     point = settled(conditions, args, near, active)
-    return value(conditions, args, near, active), read(point, args)
+    return worth(value(conditions, args, near, active), args), read(point, args)
+
+
+@functools.partial(jax.jit, static_argnums=0, compiler_options=QUICK_TO_COMPILE)
+def _worth_along(worth: Worth, objective: Array, args: Any, moved: Array, along: Any) -> Any:
+    """Worth (), its slope by the objective, and its derivatives (P,) along some directions."""
+
+    def one(moved: Array, along: Any) -> Array:
+        return jax.jvp(worth, (objective, args), (moved, along))[1]
+
+    slope = jax.grad(worth)(objective, args)
+    return worth(objective, args), slope, jax.vmap(one)(moved, along)
 
 
 @functools.partial(jax.jit, static_argnums=0, compiler_options=QUICK_TO_COMPILE)
@@ -44,11 +63,13 @@ class Optimum:
 
     answer : polished and examined.  read : variables of a point; static, compared by identity.
     enter : the user's parameters -> all that the answer depends on.
+    worth : what the programme's objective is to the user; static, too.
     """
 
     answer: Answer
     read: Read
     enter: Callable[[Any], Any] = lambda parameters: parameters
+    worth: Worth = _as_it_is
 
     @property
     def flags(self) -> tuple[Flag, ...]:
@@ -64,7 +85,7 @@ class Optimum:
         a = self.answer
         args = self.enter(parameters)
         found: tuple[Array, Mapping[str, Array]]
-        found = _evaluated(a.conditions, self.read, args, a.point, a.active)
+        found = _evaluated(a.conditions, self.read, self.worth, args, a.point, a.active)
         return found
 
     def sensitivities(self, names: Sequence[str] | None = None) -> Sensitivities:
@@ -93,14 +114,15 @@ class Optimum:
             one_sided = OneSided(ahead, {name: -leaf for name, leaf in behind.items()})
         if kinds:
             variables = {name: np.full_like(leaf, np.nan) for name, leaf in variables.items()}
-        by_parameter = np.asarray(moves.objective)
+        objective = a.conditions.objective(a.point, a.args)
+        worth, slope, by = _worth_along(self.worth, objective, a.args, moves.objective, along)
+        by_parameter = np.array(by)
         if not kinds <= _SMOOTH:
-            by_parameter = np.full_like(by_parameter, np.nan)
-        active = {
-            a.labels[i]: float(a.holding.multipliers[i]) for i in np.flatnonzero(a.holding.active)
-        }
+            by_parameter[:] = np.nan
+        prices = abs(float(slope)) * a.holding.multipliers
+        active = {a.labels[i]: float(prices[i]) for i in np.flatnonzero(a.holding.active)}
         return Sensitivities(
-            names, values, a.objective, by_parameter, variables, active, a.flags, one_sided
+            names, values, float(worth), by_parameter, variables, active, a.flags, one_sided
         )
 
     def _variables(self, moves: Moves, along: Any) -> dict[str, Floats]:

@@ -33,8 +33,8 @@ class Sensitivities:
     by_parameter : (P,), derivatives of the objective.
     variables : name -> (P, ...), derivatives of the variables; NaN where the answer is not regular,
     see `one_sided`.
-    active : name of a limit that holds -> its multiplier, the decrease of the objective for every
-    unit by which it is relaxed.
+    active : name of a limit that holds -> its multiplier, what the objective gains for every unit
+    by which it is relaxed.
     flags : what is not regular about the answer; empty where all derivatives hold.
     one_sided : None unless limits hold weakly and nothing else is amiss.
     """

@@ -17,8 +17,10 @@ from jaxatt.problems.net_power.reading.objective import KIND
 from jaxatt.problems.net_power.reading.scenario import read_net_power
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.net_power.report.sections import NET_POWER
+from jaxatt.problems.net_power.sensitive import sensitive_manoeuvre
 from jaxatt.problems.net_power.targets import answer_targets
 from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.records.phase import Phase
 from jaxatt.records.targets import TargetAnswers
 from jaxatt.runtime.arrays import Floats
@@ -72,3 +74,6 @@ class NetPower(Family):
         if not alone or scenario.horizon.free or scenario.objective.terminal != "reach":
             return None
         return answer_targets(scenario, targets)
+
+    def sensitive(self, scenario: Scenario, start: PhaseStart, found: Answers) -> SensitiveAnswer:
+        return sensitive_manoeuvre(scenario, start, found)

@@ -27,6 +27,7 @@ class Solved:
     status : (S,) `Status`.  violation, stationarity : (S,).  iterations : (S,).
     refined : (S,), whether they were solved on the manoeuvre's own intervals, not on longer ones
     alone; None where all were.
+    substeps : steps of the motion an interval that the solver took.
     """
 
     torque: Floats
@@ -37,6 +38,7 @@ class Solved:
     stationarity: Floats
     iterations: npt.NDArray[np.int64]
     refined: Flags | None = None
+    substeps: int = 1
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Solved:
         """Answers of some of the starts."""
@@ -50,6 +52,7 @@ class Solved:
             self.stationarity[rows],
             self.iterations[rows],
             None if self.refined is None else self.refined[rows],
+            self.substeps,
         )
 
     def replaced(self, rows: npt.NDArray[np.int64], by: Solved) -> Solved:
@@ -69,6 +72,7 @@ class Solved:
             put(self.stationarity, by.stationarity),
             put(self.iterations, self.iterations[rows] + by.iterations),
             put(np.zeros(len(self.status), bool), True),
+            by.substeps,
         )
 
 

@@ -99,20 +99,6 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
             rows.append(RATE_SCALE * at.product(p.end_rows, missed))
         return jnp.concatenate(rows)
 
-    def terminal_cost(x: Array, p: WheelsParameters) -> Array:
-        q = at.quaternion(x)
-        omega = jnp.stack(at.rate(x, p, form))
-        sun = to_body(q, at.parts(p.last_sun))
-        total = -p.last_shone * collected(p.panels, sun, p.smoothing).area
-        if form.power == "signed":
-            total = total + p.taken * at.kinetic_energy(x, omega, p, form)
-        if form.end in ("penalty", "rate"):
-            inner = jnp.sum(p.reference * x[:4])
-            total = total + p.attitude_weight * (1.0 - inner)
-        if form.end == "penalty":
-            total = total + p.rate_weight * jnp.sum((omega - p.reference_rate) ** 2)
-        return total / p.energy_scale
-
     def limits(stage: WheelStage, p: WheelsParameters) -> tuple[Array, Array]:
         open_ended = jnp.full(form.powers, jnp.inf)
         one = jnp.ones(form.wheels)
@@ -132,7 +118,7 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         cost=lambda x, u, stage, p, smoothing: moved(x, u, stage, p)[1],
         error_size=form.error_size,
         control_size=form.controls,
-        terminal_cost=None if settled else terminal_cost,
+        terminal_cost=None if settled else functools.partial(terminal_cost, form),
         retract=retract,
         difference=difference,
         inequality=inequality if limited else None,
@@ -144,3 +130,19 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         path_hessian=functools.partial(path_hessian, of_z) if limited else None,
         moved=moved,
     )
+
+
+def terminal_cost(form: WheelsForm, x: Array, p: WheelsParameters) -> Array:
+    """Cost () of the last state: its sunlight, what signed power paid, and weighted errors."""
+    q = at.quaternion(x)
+    omega = jnp.stack(at.rate(x, p, form))
+    sun = to_body(q, at.parts(p.last_sun))
+    total = -p.last_shone * collected(p.panels, sun, p.smoothing).area
+    if form.power == "signed":
+        total = total + p.taken * at.kinetic_energy(x, omega, p, form)
+    if form.end in ("penalty", "rate"):
+        inner = jnp.sum(p.reference * x[:4])
+        total = total + p.attitude_weight * (1.0 - inner)
+    if form.end == "penalty":
+        total = total + p.rate_weight * jnp.sum((omega - p.reference_rate) ** 2)
+    return total / p.energy_scale

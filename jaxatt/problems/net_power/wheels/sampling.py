@@ -17,6 +17,7 @@ from jaxatt.runtime.arrays import Floats
 
 _BLOCK = 1024  # instants of one compiled evaluation
 _SAMPLES = 8  # of the light, an interval
+_DENSE = 64  # of them where the light is to move smoothly with the edges of the shadow
 
 
 @partial(jax.jit, static_argnames="tidal")
@@ -25,9 +26,11 @@ def _along(task: OrbitTask, torques: ExternalTorques, tidal: bool, times: Array)
 
 
 @jax.jit
-def _sunlight(task: OrbitTask, light: Light, times: Array) -> tuple[Array, Array]:
+def _sunlight(
+    task: OrbitTask, light: Light, times: Array, width: float = 0.0
+) -> tuple[Array, Array]:
     r_i = task.motion.at(times).position
-    return sunlight(light, r_i, task.days + times / epoch.SECONDS_PER_DAY)
+    return sunlight(light, r_i, task.days + times / epoch.SECONDS_PER_DAY, width)
 
 
 def _in_blocks(run: Any, times: Any) -> Any:
@@ -44,13 +47,20 @@ def environment(task: OrbitTask, torques: ExternalTorques, tidal: bool, middles:
 
 
 def sun_along(
-    task: OrbitTask | None, light: Light, start: float, step: float, intervals: int
+    task: OrbitTask | None,
+    light: Light,
+    start: float,
+    step: float,
+    intervals: int,
+    edges: float = 0.0,
 ) -> tuple[Floats, Floats]:
     """Direction of the sun (N + 1, 3) at the nodes, and light (N + 1,) [J/m^2] of each.
 
     The light is integrated over the hat function of every node, so that a shadow that begins
     within an interval counts from there.
+    edges : [rad], width of the shadow's edges; 0 is exact.
     """
+    count = _DENSE if edges else _SAMPLES
     nodes = start + step * np.arange(intervals + 1)
     irradiance = float(light.irradiance)
     if task is None:
@@ -61,15 +71,15 @@ def sun_along(
             )
         given = np.asarray(light.sun, float)
         direction = np.broadcast_to(given / np.linalg.norm(given), (intervals + 1, 3))
-        share = np.ones((intervals, _SAMPLES))
+        share = np.ones((intervals, count))
     else:
-        within = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
+        within = (np.arange(count) + 0.5) / count
         samples = start + step * (np.arange(intervals)[:, None] + within)
         direction = _in_blocks(lambda times: _sunlight(task, light, times)[0], nodes)
-        lit = _in_blocks(lambda times: _sunlight(task, light, times)[1], samples.ravel())
-        share = np.asarray(lit).reshape(intervals, _SAMPLES)
-    rising = (np.arange(_SAMPLES) + 0.5) / _SAMPLES
-    each = irradiance * step / _SAMPLES
+        lit = _in_blocks(lambda times: _sunlight(task, light, times, edges)[1], samples.ravel())
+        share = np.asarray(lit).reshape(intervals, count)
+    rising = (np.arange(count) + 0.5) / count
+    each = irradiance * step / count
     shone = np.zeros(intervals + 1)
     shone[:-1] += each * (share * (1.0 - rising)).sum(axis=1)
     shone[1:] += each * (share * rising).sum(axis=1)

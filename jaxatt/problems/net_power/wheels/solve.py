@@ -152,7 +152,7 @@ def _solved(
     # The solver also pays a small price of effort, which is none of the energy.
     step = np.stack([np.asarray(task.parameters.stages.paid)[:count] for task in tasks])
     paid = float(p.effort) * (step[of] * (scaled**2).sum(axis=2)).sum(axis=1)
-    loads = np.array([task.manoeuvre.load * task.manoeuvre.duration for task in tasks])
+    loads = np.array([float(task.parameters.load) * task.manoeuvre.duration for task in tasks])
     scale = np.array([float(task.parameters.energy_scale) for task in tasks])
     whole = Solved(
         torque=np.repeat(scaled * np.asarray(p.torque_limit), first.held, axis=1),
@@ -162,5 +162,6 @@ def _solved(
         violation=np.asarray(solution.violation),
         stationarity=np.asarray(solution.stationarity),
         iterations=np.asarray(solution.iterations),
+        substeps=form.substeps,
     )
     return tuple(whole.pick(np.flatnonzero(of == number)) for number in range(len(tasks)))

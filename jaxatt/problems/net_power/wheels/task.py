@@ -23,7 +23,7 @@ from jaxatt.spacecraft.battery import Battery
 
 SMOOTHING = 1e-8
 """alpha of (2.11) for the panels: rounds off the corner of a hundredth of a degree."""
-_EFFORT = 1e-4
+EFFORT = 1e-4
 """Price of full torque on one wheel, as a share of the panels' best power."""
 _ROUNDING = 3e-3
 """Dipole below which the magnitude in its price is rounded, as a share of the limit."""
@@ -59,12 +59,14 @@ def wheels_task(
     substeps: int | None = None,
     size: int | None = None,
     held: Counts | None = None,
+    edges: float = 0.0,
 ) -> WheelsTask:
     """Make the task of a manoeuvre.
 
     substeps : in place of the manoeuvre's own.  size : intervals of the programme where they are to
     be more than the manoeuvre's; those without length fill up, so that manoeuvres of several
     lengths share a compiled search.  held : see `WheelsTask`; by default one each.
+    edges : [rad], width of the shadow's edges; 0 is exact.
     Raises ValueError where the satellite lacks what the manoeuvre asks for.
     """
     satellite = manoeuvre.satellite
@@ -87,7 +89,7 @@ def wheels_task(
         start.append(np.array([manoeuvre.charge / power.energy_scale]))
     held = np.ones(manoeuvre.intervals, int) if held is None else held
     size = max(size or 0, len(held))
-    stages, last_sun, last_shone = _stages(manoeuvre, form, power.battery, size, held)
+    stages, last_sun, last_shone = _stages(manoeuvre, form, power.battery, size, held, edges)
     end = manoeuvre.end
     reference = q if end is None else np.asarray(end.q_ib, float)
     ending = np.zeros(form.stored)
@@ -113,7 +115,7 @@ def wheels_task(
         power_scale=np.asarray(power.power_scale),
         taken=np.asarray(power.taken),
         returned=np.asarray(power.returned),
-        effort=np.asarray(_EFFORT * power.best),
+        effort=np.asarray(EFFORT * power.best),
         panels=craft.panels,
         smoothing=np.asarray(SMOOTHING),
         stages=stages,
@@ -305,7 +307,12 @@ def _management(satellite: Satellite, craft: Spacecraft, arms: _Arms) -> Managem
 
 
 def _stages(
-    manoeuvre: Manoeuvre, form: WheelsForm, battery: Battery, size: int, held: Counts
+    manoeuvre: Manoeuvre,
+    form: WheelsForm,
+    battery: Battery,
+    size: int,
+    held: Counts,
+    edges: float,
 ) -> tuple[WheelStage, Any, Any]:
     satellite, count = manoeuvre.satellite, len(held)
     direction, shone = sun_along(
@@ -314,6 +321,7 @@ def _stages(
         manoeuvre.start_time,
         manoeuvre.step,
         manoeuvre.intervals,
+        edges,
     )
     nodes = np.concatenate([[0], np.cumsum(held)])
     direction, shone = direction[nodes], float(battery.input_efficiency) * at_nodes(shone, nodes)
