@@ -72,10 +72,11 @@ def _segment(block: Block) -> Segment:
     if backward:
         q = conjugate(p)
         omega = None if rates is None else -to_body(q, rates)
+    if omega is None and len(q) == 1:
+        mend = "give two, or one with its rate"
+        raise FileFormatError(block.where, "holds a single attitude without a rate", mend)
     if omega is None:
-        omega = np.zeros((len(q), 3))
-        if len(q) > 1:
-            omega = through(seconds_after(moments[0], moments), q).omega
+        omega = through(seconds_after(moments[0], moments), q).omega
     return Segment(moments, q, omega, *_usable(block, moments))
 
 

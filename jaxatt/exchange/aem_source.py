@@ -25,7 +25,7 @@ _LARGEST = 2**30
 class Block:
     """One span of a message: its keywords, and its rows as texts by the names of their columns.
 
-    first : major number of the message's version.  where : file and line, for messages.
+    version : the major number of the message's.  where : file and line, for errors.
     """
 
     version: int

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from jaxatt.attitude.attitude_path import turn_between
@@ -14,10 +16,8 @@ _NORM = 1e-3
 """Deviation of a quaternion's norm from 1 that rounding does not make."""
 _FITS, _DIFFERS = 0.05, 0.3
 """Share of the rates by which those of the motion fit them, or do not."""
-_STILL = 1e-7
-"""[rad/s] below which rates tell nothing."""
-_FAR = 0.5
-"""[rad] between two attitudes beyond which their difference is no rate."""
+_ENOUGH, _FAR = 0.02, 0.5
+"""[rad] between two attitudes that are compared: enough to tell, and about one axis still."""
 
 
 def check_norms(q: Floats, moments: Instants, where: str) -> None:
@@ -39,18 +39,21 @@ def check_motion(time: Floats, p: Floats, rates: Floats, where: str) -> None:
     time : (n,) [s].  p : (n, 4), scalar first.  rates : (n, 3) [rad/s], in the axes turned to.
     Without motion nothing is told.
     """
-    if len(p) < 2:
-        return
-    mean = 0.5 * (rates[:-1] + rates[1:])
-    size = float(np.median(np.linalg.norm(mean, axis=1)))
-    near = np.linalg.norm(turn_between(p), axis=1) < _FAR
-    if size < _STILL or not near.any():
-        return
     step = np.diff(time)[:, None]
+    turned = np.concatenate([np.zeros((1, 3)), np.cumsum(0.5 * step * (rates[:-1] + rates[1:]), 0)])
+    way = float(np.linalg.norm(np.diff(turned, axis=0), axis=1).sum())
+    # Compared over so many steps that rounded quaternions still tell.
+    each = max(1, math.ceil(_ENOUGH * (len(time) - 1) / way)) if way > _ENOUGH else len(time)
+    told = turned[each:] - turned[:-each]
+    length = np.linalg.norm(told, axis=1)
+    near = np.linalg.norm(turn_between(np.stack([p[each:], p[:-each]]))[0], axis=1) < _FAR
+    pairs = np.flatnonzero((length > 0.5 * _ENOUGH) & near)
+    if not pairs.size:
+        return
 
     def off(q: Floats) -> float:
-        apart = np.linalg.norm(turn_between(q) / step - mean, axis=1)[near]
-        return float(np.median(apart)) / size
+        moved = turn_between(np.stack([q[pairs], q[pairs + each]]))[0]
+        return float(np.median(np.linalg.norm(moved - told[pairs], axis=1) / length[pairs]))
 
     if off(p) < _DIFFERS:
         return

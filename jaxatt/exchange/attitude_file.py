@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from jaxatt.attitude.attitude_path import AttitudePath, turn_between
+from jaxatt.attitude.host_turns import product, turned_by
 from jaxatt.exchange.aem_reading import Segment, read_aem
 from jaxatt.exchange.moments import instants, seconds_after, short
 from jaxatt.exchange.motion import FileFormatError
@@ -64,10 +65,9 @@ def _joined(segments: list[Segment]) -> list[Segment]:
 
 
 def _held(path: AttitudePath) -> AttitudePath:
-    """Path of a single attitude, as two instants."""
-    return AttitudePath(
-        path.time[0] + np.array([0.0, 1.0]), path.q[[0, 0]], np.zeros_like(path.omega[[0, 0]])
-    )
+    """Path of a single attitude and its rate, as two instants."""
+    q = np.concatenate([path.q, product(path.q, turned_by(path.omega))])
+    return AttitudePath(path.time[0] + np.array([0.0, 1.0]), q, path.omega[[0, 0]])
 
 
 def _refuse(file: Path, segments: list[Segment], begin: np.datetime64, end: np.datetime64) -> None:
@@ -76,8 +76,8 @@ def _refuse(file: Path, segments: list[Segment], begin: np.datetime64, end: np.d
     asked = short(begin) if begin == end else f"{short(begin)} to {short(end)}"
     raise FileFormatError(
         str(file),
-        f"is to give the attitude from {asked}" if begin != end else f"is asked for {asked}",
-        f"it has it from {', '.join(spans)}{more}, and nothing is taken across its ends",
+        f"is asked for {asked}",
+        f"it has attitudes from {', '.join(spans)}{more}, and nothing is taken across its ends",
     )
 
 
@@ -94,10 +94,13 @@ def _check_gaps(file: Path, segment: Segment, time: Floats, first: float, last: 
     gaps = np.flatnonzero(needed & (wide | (moved > _FARTHEST)))
     if gaps.size:
         k = int(gaps[0])
+        between = f"from {short(segment.moments[k])} to {short(segment.moments[k + 1])}"
+        angle = f"turns by {np.degrees(moved[k]):.3g} deg"
+        if not wide[k]:
+            mend = "the way between is not known; have attitudes written more often"
+            raise FileFormatError(str(file), f"{angle} {between}", mend)
         raise FileFormatError(
             str(file),
-            f"has a gap of {step[k]:g} s from {short(segment.moments[k])} to "
-            f"{short(segment.moments[k + 1])}, in which the body turns by "
-            f"{np.degrees(moved[k]):.3g} deg",
+            f"has a gap of {step[k]:g} s {between}, in which the body {angle}",
             f"its usual step is {np.median(step):g} s; have the gap filled, or stay beside it",
         )

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.environment.epoch import NO_LEAP_SECOND, parse
+from jaxatt.environment.epoch import parse
 from jaxatt.runtime.arrays import Floats
 
 Instants: TypeAlias = npt.NDArray[np.datetime64]
@@ -60,6 +60,3 @@ def read(text: str) -> np.datetime64:
     return np.datetime64(moment.replace(tzinfo=None), "ns") + np.timedelta64(
         int(digits[:9].ljust(9, "0") or 0), "ns"
     )
-
-
-__all__ = ["NO_LEAP_SECOND", "Instants", "instants", "read", "seconds_after", "short", "written"]

@@ -168,6 +168,34 @@ def test_usable_times_are_kept_to(tmp_path) -> None:
     assert "to 2026-06-21T12:00:30.000Z" in refused(tmp_path, text, asked(0.0, 59.0))
 
 
+def test_one_attitude_needs_its_rate(tmp_path) -> None:
+    one = AttitudeHistory(EPOCH, HISTORY.time[:1], HISTORY.q_ib[:1], HISTORY.omega_ib[:1])
+    assert "a single attitude without a rate" in refused(tmp_path, aem_text([one], Named("A"), 1))
+    path = tmp_path / "file.aem"
+    path.write_text(aem_text([one], Named("A"), 2))
+    q, omega = path_of(path, EPOCH, 0.0, 0.0).at(np.zeros(1))
+    assert abs(q[0] @ HISTORY.q_ib[0]) == pytest.approx(1.0, abs=1e-12)
+    np.testing.assert_allclose(omega[0], HISTORY.omega_ib[0], atol=1e-14)
+
+
+def test_steps_that_turn_too_far_are_refused(tmp_path) -> None:
+    time, rate = 200.0 * np.arange(20), 0.0125
+    half, zero = 0.5 * rate * time, np.zeros(20)
+    q = np.stack([np.cos(half), zero, zero, np.sin(half)], axis=1)
+    spinning = AttitudeHistory(EPOCH, time, q, np.tile([0.0, 0.0, rate], (20, 1)))
+    text = aem_text([spinning], Named("A"))
+    assert "have attitudes written more often" in refused(tmp_path, text, asked(0.0, 400.0))
+
+
+def test_rounded_quaternions_of_a_slow_body_are_no_contradiction(tmp_path) -> None:
+    slow = turning(6, count=400, step=0.1, size=0.01)
+    text = rows_turned(aem_text([slow], Named("A")), lambda q: [round(x, 6) for x in q])
+    path = tmp_path / "file.aem"
+    path.write_text(text)
+    assert len(read_aem(path)[0].moments) == 400
+    assert SCALAR_FIRST in refused(tmp_path, rows_turned(text, lambda q: [q[3], *q[:3]]))
+
+
 def test_times_may_be_far_from_the_epoch_and_of_one_instant(tmp_path) -> None:
     path = tmp_path / "file.aem"
     path.write_text(TEXT[2])

@@ -183,6 +183,10 @@ def test_the_command_says_what_it_wrote_or_what_it_lacks(slew, tmp_path) -> None
     found = run("--format", "stk", "--epoch", "2026-06-21T12:00:00Z", "--object-id", "2022-002B")
     assert found.exit_code == 0 and "hypso1-90-45-15.a: 701 attitudes" in found.output
     assert run("--epoch", "2026-06-21", "--quiet").output.strip().endswith("hypso1-90-45-15.aem")
-    for options, words in (((), "has no epoch"), (("--epoch", "noon"), "epoch noon: is no moment")):
+    for options, words in (
+        ((), "has no epoch"),
+        (("--name", "a\nb"), "is no name for"),
+        (("--epoch", "noon"), "epoch noon: is no moment"),
+    ):
         found = run(*options)
         assert found.exit_code == 2 and words in found.output

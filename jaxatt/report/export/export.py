@@ -37,6 +37,9 @@ def export(
     Raises `ScenarioError` where the result cannot be used, or has no epoch or orbit that is asked
     for.
     """
+    for text in (name, designator):
+        if text is not None and not (text.isascii() and text.isprintable() and text.strip()):
+            raise ScenarioError(f"{text!r}: is no name for CCSDS files; give one line of ASCII")
     place = Path(result)
     motion = saved_motion(place, run)
     return write_files(
