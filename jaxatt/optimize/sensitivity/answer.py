@@ -58,6 +58,11 @@ def _margins(conditions: Conditions, point: Any, args: Any) -> Any:
 
 
 @_compiled
+def _objective(conditions: Conditions, point: Any, args: Any) -> Any:
+    return conditions.objective(point, args)
+
+
+@_compiled
 def _moves(
     conditions: Conditions, system: Any, point: Any, args: Any, active: Any, along: Any
 ) -> Moves:
@@ -111,10 +116,10 @@ class Answer:
         """Names of all limits."""
         return self.conditions.labels(self.point)
 
-    @property
+    @functools.cached_property
     def objective(self) -> float:
         """Objective at the polished point."""
-        return float(self.conditions.objective(self.point, self.args))
+        return float(_objective(self.conditions, self.point, self.args))
 
     def moves(self, along: Any, active: Any = None) -> Moves:
         """Derivatives along directions of the parameters (P, ...), with given limits active."""
