@@ -44,7 +44,7 @@ CASES = {
         "eseo-1-keep-out",
         {**THRUSTERS, "keep_out.0.half_angle_deg": 8.0, "keep_out.1.half_angle_deg": 8.0},
         ([0, 1, 5], [10, 11], 0.8),
-        ["keep_out.0.half_angle_deg", "vehicle.inertia_kgm2.0.0"],
+        ["keep_out.1.half_angle_deg", "vehicle.inertia_kgm2.0.0"],
     ),
     "rate": (
         "hypso1-90-45-15",
