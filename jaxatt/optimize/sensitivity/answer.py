@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import functools
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar, cast
 
 import jax
 import jax.numpy as jnp
@@ -17,7 +18,7 @@ from jaxatt.optimize.sensitivity.conditions import Condensed, Conditions
 from jaxatt.optimize.sensitivity.implicit import newton, point_along
 from jaxatt.optimize.sensitivity.regularity import Degeneracy, Flag, Holding, flags_of
 from jaxatt.runtime.arrays import Flags, Floats
-from jaxatt.runtime.settings import QUICK_TO_COMPILE
+from jaxatt.runtime.settings import QUICK_TO_COMPILE, RUNS_ONCE
 
 _MOST_CHANGES = 8
 """Of the active limits, until they fit the point."""
@@ -39,7 +40,21 @@ class Moves(NamedTuple):
     multipliers: Array
 
 
-_compiled = functools.partial(jax.jit, static_argnums=0, compiler_options=QUICK_TO_COMPILE)
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def _compiled(run: Function) -> Function:
+    """Compile a function of conditions, as fast as they ask for."""
+    fast, slow = (
+        jax.jit(run, static_argnums=0, compiler_options=options)
+        for options in (QUICK_TO_COMPILE, RUNS_ONCE)
+    )
+
+    @functools.wraps(run)
+    def chosen(conditions: Conditions, *args: Any) -> Any:
+        return (slow if conditions.runs_once else fast)(conditions, *args)
+
+    return cast(Function, chosen)
 
 
 @_compiled

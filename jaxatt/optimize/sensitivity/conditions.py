@@ -46,6 +46,9 @@ class Conditions(ABC):
     of limit.
     """
 
+    runs_once = False
+    """Whether compiling takes so much longer than running that XLA is to leave its passes out."""
+
     @abstractmethod
     def lagrangian(self, point: Any, step: Any, args: Any, active: Any) -> Array:
         """L (), a step away from a point."""

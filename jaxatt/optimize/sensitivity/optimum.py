@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
@@ -114,7 +115,7 @@ class Optimum:
             one_sided = OneSided(ahead, {name: -leaf for name, leaf in behind.items()})
         if kinds:
             variables = {name: np.full_like(leaf, np.nan) for name, leaf in variables.items()}
-        objective = a.conditions.objective(a.point, a.args)
+        objective = jnp.asarray(a.objective)
         worth, slope, by = _worth_along(self.worth, objective, a.args, moves.objective, along)
         by_parameter = np.array(by)
         if not kinds <= _SMOOTH:

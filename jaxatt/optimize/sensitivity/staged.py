@@ -210,5 +210,7 @@ class LinearisedConditions(StagedConditions):
     differentiating the dynamics backwards.
     """
 
+    runs_once = True
+
     def gradient(self, point: StagedPoint, args: Any, active: Bounded) -> StagedPoint:
         return self.residual(self.system(point, args), point, active)
