@@ -19,6 +19,7 @@ NAMES = (
     "hypso1-90-45-15",
     "hypso1-90-45-15-keep-out",
     "hypso1-90-45-15-perturbed",
+    "hypso1-ground-site",
     "hypso1-netpower",
     "hypso1-path",
     "hypso1-path-two",
