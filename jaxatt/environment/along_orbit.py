@@ -77,7 +77,7 @@ def evaluate(
     r_i, v_i = here.position, here.velocity
     radius = jnp.linalg.norm(r_i, axis=-1)
     days = task.days + times / epoch.SECONDS_PER_DAY
-    field = None if task.field is None else Vector.of(_field(task.field, r_i, days))
+    field = None if task.field is None else Vector.of(inertial_field(task.field, r_i, days))
     to_sun, share = None, None
     if light is not None:
         direction, share = sunlight(light, r_i, days, width)
@@ -106,8 +106,8 @@ def evaluate(
     return along, nodes
 
 
-def _field(model: igrf.MagneticModel, r_i: Array, days: Array) -> Array:
-    """Magnetic field (n, 3) [T] in inertial axes."""
+def inertial_field(model: igrf.MagneticModel, r_i: Array, days: Array) -> Array:
+    """Magnetic field (..., 3) [T] at inertial positions (..., 3) [m]; days (...) since J2000."""
     turn = earth_fixed(days)
     return matvec(jnp.swapaxes(turn, -1, -2), igrf.field(model, matvec(turn, r_i)))
 

@@ -14,6 +14,7 @@ from jaxatt.attitude import quaternion
 from jaxatt.attitude.alignment import align
 from jaxatt.attitude.vectors import cross, dot, matvec, norm
 from jaxatt.environment import epoch, frames, ground, igrf, sun
+from jaxatt.environment.along_orbit import inertial_field
 from jaxatt.environment.motion import Motion
 from jaxatt.environment.precession import earth_fixed
 from jaxatt.runtime.arrays import Floats
@@ -91,9 +92,8 @@ class AlongField:
 
     def at(self, time: Array) -> Array:
         """See `Direction`."""
-        turn = earth_fixed(_days(self.days, time))
-        there = matvec(turn, self.motion.at(time).position)
-        return matvec(turn.T, igrf.field(self.model, there))
+        here = self.motion.at(time).position
+        return inertial_field(self.model, here, _days(self.days, time))
 
 
 @jax.tree_util.register_dataclass

@@ -82,16 +82,15 @@ class Aim(NamedTuple):
 
 
 def read_aim(whole: Table, key: str, notes: list[str], sky: Sky, last: float) -> Aim:
+    """Read a body axis with its direction, for a motion of `last` [s].
+
+    key : of `whole` under which both stand.  Raises `ScenarioError`.
+    """
     table = Table(whole.data[key], whole.origin, f"{whole.label} {key}", DIRECTION_KEYS)
-    body = unit(table, "body")
-    given = [each for each in _GIVEN if each in table]
-    if len(given) != 1:
-        wrong = given[1] if given else "toward"
-        problem = f"given beside {given[0]}" if given else "no direction is given"
-        table.fail(wrong, problem, f"give exactly one of {', '.join(_GIVEN)}")
-    kind = table.choice("toward", _WORDS, "nadir") if given[0] == "toward" else given[0]
+    body, given = table.direction("body"), table.one_of(_GIVEN)
+    kind = table.choice("toward", _WORDS, "nadir") if given == "toward" else given
     _check_keys(table, kind)
-    _check_known(table, kind, given[0], sky, last)
+    _check_known(table, kind, given, sky, last)
     direction, words = _direction(table, kind, notes, sky, last)
     return Aim(key, body, direction, words)
 
@@ -101,7 +100,7 @@ def _direction(
 ) -> tuple[toward.Direction, str]:
     """A direction, and what messages call it."""
     if kind == "direction_inertial":
-        return toward.AmongStars(unit(table, kind)), "the direction"
+        return toward.AmongStars(table.direction(kind)), "the direction"
     if kind == "right_ascension_deg":
         ra = math.radians(table.number("right_ascension_deg"))
         dec = math.radians(table.number("declination_deg", at_least=-90.0, at_most=90.0))
@@ -113,7 +112,7 @@ def _direction(
     motion = sky.motion
     assert motion is not None
     if kind == "direction_orbit":
-        return toward.InOrbitAxes(unit(table, kind), motion), "the direction"
+        return toward.InOrbitAxes(table.direction(kind), motion), "the direction"
     if kind == "nadir":
         return toward.InOrbitAxes(np.array([0.0, 0.0, 1.0]), motion), "the nadir"
     if kind == "velocity":
@@ -177,12 +176,3 @@ def _check_known(table: Table, kind: str, key: str, sky: Sky, last: float) -> No
 def _days(sky: Sky) -> float:
     assert sky.days is not None
     return sky.days
-
-
-def unit(table: Table, key: str) -> Float64:
-    """Read a direction (3,) of any length as a unit vector."""
-    vector = table.vector(key, 3)
-    size = float(np.linalg.norm(vector))
-    if not size > 1e-12:
-        table.fail(key, "is zero, which is no direction", "give a vector such as [0.0, 0.0, 1.0]")
-    return np.asarray(vector / size)

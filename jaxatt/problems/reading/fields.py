@@ -10,6 +10,8 @@ import numpy as np
 from jaxatt.problems.reading.schema import nearest, unit_of, unknown_key_mend
 from jaxatt.spacecraft.checks import LARGEST, SMALLEST, Float64, as_float, brief
 
+_TINY = 1e-12
+"""Length of a vector that is no direction."""
 LONGEST_S = 1e9
 """Longest time [s] in a scenario, about 30 years."""
 
@@ -78,6 +80,25 @@ class Table:
         if key not in self.data:
             self.fail(key, "missing", f"add a line such as {key} = {example}")
         return self.data[key]
+
+    def one_of(self, keys: tuple[str, ...]) -> str:
+        """Return the one of these keys, each of which states a direction, that is given."""
+        given = [key for key in keys if key in self.data]
+        if len(given) != 1:
+            key = given[1] if given else "toward"
+            problem = f"given beside {given[0]}" if given else "no direction is given"
+            self.fail(key, problem, f"give exactly one of {', '.join(keys)}")
+        return given[0]
+
+    def direction(self, key: str) -> Float64:
+        """Return a vector (3,) of any length as a unit vector."""
+        vector = self.vector(key, 3)
+        size = float(np.linalg.norm(vector))
+        if not size > _TINY:
+            self.fail(
+                key, "is zero, which is no direction", "give a vector such as [0.0, 0.0, 1.0]"
+            )
+        return np.asarray(vector / size)
 
     def number(
         self,

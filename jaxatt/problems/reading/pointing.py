@@ -17,7 +17,6 @@ from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
 
 _DIRECTIONS = ("direction_inertial", "direction_orbit", "toward")
-_TINY = 1e-12
 _ROUNDING = 1e-9  # rad; a boresight on the cone itself is allowed
 
 
@@ -67,17 +66,13 @@ def _cone(table: Table, kind: str, orbit: bool, days: float | None, where: str) 
     half = table.number("half_angle_deg", above=0.0, example="30.0")
     if half >= 180.0:
         table.fail("half_angle_deg", "must be less than 180", "give half of the cone's opening")
-    boresight = _unit(table, "boresight")
-    given = [key for key in _DIRECTIONS if key in table]
-    if len(given) != 1:
-        key = given[1] if given else "toward"
-        problem = f"given beside {given[0]}" if given else "no direction is given"
-        table.fail(key, problem, f"give exactly one of {', '.join(_DIRECTIONS)}")
+    boresight = table.direction("boresight")
+    given = table.one_of(_DIRECTIONS)
     frame, direction = "inertial", np.zeros(3)
-    if "direction_inertial" in table:
-        direction = _unit(table, "direction_inertial")
-    elif "direction_orbit" in table:
-        frame, direction = "orbit", _unit(table, "direction_orbit")
+    if given == "direction_inertial":
+        direction = table.direction(given)
+    elif given == "direction_orbit":
+        frame, direction = "orbit", table.direction(given)
     else:
         toward = table.choice("toward", ("sun", "nadir"), "sun")
         if not orbit:
@@ -91,14 +86,6 @@ def _cone(table: Table, kind: str, orbit: bool, days: float | None, where: str) 
         frame = "sun" if toward == "sun" else "orbit"
         direction = np.array([0.0, 0.0, 1.0])
     return Cone(name, kind, boresight, math.radians(half), frame, direction)
-
-
-def _unit(table: Table, key: str) -> Float64:
-    vector = table.vector(key, 3)
-    norm = float(np.linalg.norm(vector))
-    if not norm > _TINY:
-        table.fail(key, "is zero, which is no direction", "give a vector such as [0.0, 0.0, 1.0]")
-    return np.asarray(vector / norm)
 
 
 def _rate_limit(data: Any, origin: str) -> Float64 | None:
