@@ -10,8 +10,9 @@ import typer
 from jaxatt.cli.common import clean_exit, complain, finish, prepare_jax
 from jaxatt.cli.options import Cache, Out, Quiet
 from jaxatt.runtime.files import prepare_folder
+from jaxatt.studies.orbit_course.course import course_of
 from jaxatt.studies.orbit_course.reading import known_orbit
-from jaxatt.studies.orbit_course.result import orbit_course
+from jaxatt.studies.orbit_course.result import OrbitCourse
 
 
 def orbit(
@@ -50,7 +51,7 @@ def orbit(
         prepare_jax(compile_cache)
         known = known_orbit(case, object_, epoch)
         folder = prepare_folder(out or Path("results") / f"{known.name}-orbit")
-        found = orbit_course(case, hours, wanted=object_, epoch=epoch)
+        found = OrbitCourse(course_of(known, None if hours is None else 3600.0 * hours))
         finish(repr(found), found.save(folder), folder, quiet, found.table())
         for note in known.notes if quiet else ():
             complain(f"Note: {note}")
