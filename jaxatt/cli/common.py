@@ -42,12 +42,11 @@ def prepared(
 
     joining : other processes, which are waited for; only process 0 needs the folder.
     """
-    joining.check()
+    joining.join()  # first: reading a scenario may compute, after which nobody can join
     scenario = scenarios.load(case)
     given = {key: value for key, value in changes.items() if value is not None}
     if given:
         scenario = scenarios.replace(scenario, given)
-    joining.join()
     same = repr((scenario.document, source_digest())).encode()
     agree(np.frombuffer(same, np.uint8), "another scenario or other code")
     folder = out or Path("results") / scenario.name

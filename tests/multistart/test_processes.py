@@ -160,7 +160,7 @@ def test_a_coordinator_that_does_not_answer_is_named():
     port = free_port()
     done = subprocess.run(
         [
-            *(sys.executable, "-m", "jaxatt", "solve", "double-integrator"),
+            *(sys.executable, "-m", "jaxatt", "solve", "hypso1-90-45-15"),
             *("--coordinator", f"127.0.0.1:{port}", "--processes", "2", "--process", "1"),
             *("--join-timeout", "1"),
         ],
