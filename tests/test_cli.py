@@ -1,5 +1,6 @@
 """The command line: what it prints, writes and returns."""
 
+import importlib
 import json
 import re
 import subprocess
@@ -102,7 +103,7 @@ def answer(make, result: Result):
         report("polishing", 4)
         return result
 
-    make.setattr(sys.modules["jaxatt.cli.solve"], "find", solve)
+    make.setattr(importlib.import_module("jaxatt.cli.solve"), "find", solve)
 
 
 def test_progress_is_told_in_lines_where_there_is_no_terminal(here, monkeypatch):
@@ -127,7 +128,9 @@ def test_a_front_is_printed_and_written(here, monkeypatch):
     times, gains, own = np.array([1.0, 2.0, 3.0]), np.array([4.0, 6.0, 5.0]), np.zeros(3, bool)
     front = Front(time, times, time, times, energy, gains, (phase, phase, phase), own)
     found = ParetoFront(scenarios.load("hypso1-netpower"), "time", front)
-    monkeypatch.setattr(sys.modules["jaxatt.cli.pareto"], "find", lambda *_, **__: found)
+    monkeypatch.setattr(
+        importlib.import_module("jaxatt.cli.pareto"), "find", lambda *_, **__: found
+    )
     told = run("pareto", "hypso1-netpower", "--over", "time")
     assert told.exit_code == 0, told.output
     assert "2 of 3 points on the front" in told.output
@@ -161,7 +164,7 @@ def test_an_interruption_ends_with_130_and_leaves_nothing(here, monkeypatch):
     def solve(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["jaxatt.cli.solve"], "find", solve)
+    monkeypatch.setattr(importlib.import_module("jaxatt.cli.solve"), "find", solve)
     found = run("solve", "hypso1-90-45-15")
     assert found.exit_code == 130
     assert "Interrupted" in found.output

@@ -1,6 +1,7 @@
 """Results are written before anything is printed, so that no reader or disk loses them."""
 
 import errno
+import importlib
 import os
 import subprocess
 import sys
@@ -15,13 +16,13 @@ from jaxatt.report import folder
 from jaxatt.runtime import files
 
 COMMAND = f"""
-import sys
+import importlib, sys
 sys.path.insert(0, {str(Path(handmade_results.__file__).parent)!r})
 import handmade_results, jaxatt.cli
 def solve(*_, report, **__):
     report("polishing", 4)
     return handmade_results.handmade("double-integrator")
-sys.modules["jaxatt.cli.solve"].find = solve
+importlib.import_module("jaxatt.cli.solve").find = solve
 sys.argv = ["jaxatt", "solve", "double-integrator", "--out", "there"]
 jaxatt.cli.main()
 """
@@ -66,7 +67,7 @@ def test_a_full_disk_is_named_and_leaves_nothing(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        sys.modules["jaxatt.cli.solve"],
+        importlib.import_module("jaxatt.cli.solve"),
         "find",
         lambda *_, **__: handmade_results.handmade("double-integrator"),
     )

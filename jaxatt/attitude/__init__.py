@@ -1,5 +1,6 @@
 """Attitude representations and errors: quaternions, MRP, Euler angles."""
 
-from jaxatt.attitude import errors, euler, mrp, quaternion, vectors
+import lazy_loader
 
-__all__ = ["errors", "euler", "mrp", "quaternion", "vectors"]
+# Names are loaded when they are first used; what they are stands in `__init__.pyi`.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation, RotationSpline
 
 from jaxatt.attitude.host_turns import conjugate, product, turn_of, turned_by
 from jaxatt.runtime.arrays import Floats
@@ -55,6 +54,8 @@ def through(time: Floats, q: Floats) -> AttitudePath:
 
     time : (n,) [s], n of at least 2.  q : (n, 4).
     """
+    from scipy.spatial.transform import Rotation, RotationSpline
+
     spline = RotationSpline(time, Rotation.from_quat(q, scalar_first=True))
     return AttitudePath(time, q, np.asarray(spline(time, 1)))
 

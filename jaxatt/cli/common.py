@@ -8,7 +8,7 @@ import traceback
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import typer
@@ -16,13 +16,14 @@ from rich.console import Console, RenderableType
 
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
-from jaxatt.report.result import Result
-from jaxatt.runtime.compilation import source_digest
+from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.files import OutputError, prepare_folder
 from jaxatt.runtime.joining import JoinError, Joining, LostProcessError, leave, several, writes
-from jaxatt.runtime.processes import agree
-from jaxatt.runtime.settings import configure
-from jaxatt.scenarios import Scenario, ScenarioError
+from jaxatt.runtime.source import source_digest
+
+if TYPE_CHECKING:
+    from jaxatt.report.result import Result
+    from jaxatt.scenarios import Scenario
 
 BAD_INPUT, NOT_REACHED, LOST, INTERRUPTED = 2, 3, 4, 130
 
@@ -31,6 +32,7 @@ _ALONE = Joining()
 
 def prepare_jax(cache: Path | None = None) -> None:
     """Set JAX up for this process, before anything is computed."""
+    from jaxatt.runtime.settings import configure  # commands that compute nothing load no JAX
 
     configure(cache=cache)
 
@@ -42,6 +44,8 @@ def prepared(
 
     joining : other processes, which are waited for; only process 0 needs the folder.
     """
+    from jaxatt.runtime.processes import agree
+
     joining.join()  # first: reading a scenario may compute, after which nobody can join
     scenario = scenarios.load(case)
     given = {key: value for key, value in changes.items() if value is not None}

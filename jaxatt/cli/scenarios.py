@@ -10,7 +10,9 @@ from jaxatt.cli.common import clean_exit, say
 from jaxatt.scenarios import text
 from jaxatt.scenarios.bundled import KINDS, titles
 
-scenarios = typer.Typer(help="List the bundled scenarios, or print one as TOML.")
+scenarios = typer.Typer(
+    help="List the bundled scenarios, or print one as TOML.", add_completion=False
+)
 
 
 @scenarios.callback(invoke_without_command=True)

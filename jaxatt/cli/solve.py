@@ -53,7 +53,7 @@ def solve(
     join_timeout: JoinTimeout = JOIN_S,
     quiet: Quiet = False,
 ) -> None:
-    """Find the sparsest or shortest manoeuvre, fly it again, write summary, archive and figures."""
+    """Find the sparsest or shortest manoeuvre, fly it again, write summary and figures."""
     changes = {
         "solver.starts": starts,
         "solver.seed": seed,

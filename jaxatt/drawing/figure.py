@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import io
 from pathlib import Path
-
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 from jaxatt.runtime.files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
+
+    from jaxatt.drawing.picture import Picture
 
 # Okabe and Ito (2008), ordered so that neighbours differ in brightness too.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 CHEAP, FORBIDDEN, COAST = "#F0E442", "#666666", "#DDDDDD"
-_DPI = 150
-
-
-class Picture(Figure):
-    """A figure that a notebook shows without further settings."""
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=_DPI)
-        return buffer.getvalue()
 
 
 def picture(width: float, height: float, title: str = "") -> Picture:
     """Make an empty figure of a size in inches."""
+    from jaxatt.drawing.picture import Picture  # matplotlib is loaded by whoever draws
+
     figure = Picture(figsize=(width, height), layout="constrained")
     if title:
         figure.suptitle(title)
@@ -45,7 +41,16 @@ def tidy(axes: Axes) -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
+def whole_ticks(axis: Axis) -> None:
+    """Put ticks at whole numbers only."""
+    from matplotlib.ticker import MaxNLocator
+
+    axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+
+
 def save(figure: Figure, path: str | Path) -> None:
     """Write a figure as PNG, completely or not at all."""
+    from jaxatt.drawing.picture import DPI
+
     with replacing(path) as partial:
-        figure.savefig(partial, format="png", dpi=_DPI)
+        figure.savefig(partial, format="png", dpi=DPI)

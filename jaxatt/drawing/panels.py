@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from jaxatt.drawing.figure import colour
 from jaxatt.runtime.arrays import Flags, Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def lines(axes: Axes, time: Floats, values: Floats, names: Sequence[str]) -> None:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, Normalize
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.runtime.arrays import Flags, Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 _EDGES = (0.0, 60.0, 90.0, 120.0, 150.0, 180.0)
 """[deg], of the ranges of angles."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import functools
 from importlib import resources
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 
 from jaxatt.drawing.figure import tidy
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 LAND, COAST = "#F2EFE6", "#9A9A9A"
 _LONGITUDES, _LATITUDES = (5, 10, 20, 30, 60), (5, 10, 15, 30)
@@ -59,6 +60,8 @@ def _land() -> tuple[Floats, ...]:
 
 def world_map(axes: Axes, part: Part = WORLD) -> None:
     """Draw the land and a graticule; longitude and latitude in degrees."""
+    from matplotlib.collections import PolyCollection
+
     axes.add_collection(
         PolyCollection(list(_land()), facecolors=LAND, edgecolors=COAST, linewidths=0.5, zorder=0.5)
     )

@@ -1,17 +1,6 @@
 """Orbit, orbit frame and disturbing torques."""
 
-from jaxatt.environment import frames, kepler, orbit
-from jaxatt.environment.gravity_gradient import gravity_gradient_torque
-from jaxatt.environment.kepler import KeplerianElements
-from jaxatt.environment.orbit import MU_EARTH
-from jaxatt.environment.sinusoidal import sinusoidal_torque
+import lazy_loader
 
-__all__ = [
-    "MU_EARTH",
-    "KeplerianElements",
-    "frames",
-    "gravity_gradient_torque",
-    "kepler",
-    "orbit",
-    "sinusoidal_torque",
-]
+# Names are loaded when they are first used; what they are stands in `__init__.pyi`.
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,18 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from matplotlib.axes import Axes
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.drawing.figure import Picture
 from jaxatt.problems.answer import Answer
 from jaxatt.records.labels import Label, Variable
 from jaxatt.records.phase import Phase
 from jaxatt.records.wording import objective_title, short
 from jaxatt.runtime.arrays import Flags
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
+
 
 Block = Mapping[str, Any]
 """One phase, or all of them together, as the summary has it."""
@@ -27,7 +31,7 @@ Block = Mapping[str, Any]
 Row = tuple[str, Callable[[Block], str | Text]]
 """Label of a row of the table, and what it shows of a block; a row without text is left out."""
 
-Panel = Callable[[Axes, Answer], None]
+Panel = Callable[["Axes", Answer], None]
 """Draws one quantity over the time of all phases."""
 
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.records.wording import plural
 from jaxatt.report.flight_record import FlightRecord
 from jaxatt.report.flight_summary import AXES
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 _RPM = 60.0 / (2.0 * np.pi)
 _SHOWN = 200  # runs of which a phase portrait draws a line

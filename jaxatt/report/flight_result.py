@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from matplotlib.figure import Figure
-
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.report.flight_dataset import flight_dataset
 from jaxatt.report.flight_folder import save_flight
@@ -18,6 +16,7 @@ from jaxatt.report.flight_table import flight_table
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, eq=False, repr=False)

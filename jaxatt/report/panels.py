@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.patches import Patch
 
 from jaxatt.attitude import euler
 from jaxatt.drawing.figure import COAST, colour, tidy
@@ -20,6 +17,10 @@ from jaxatt.report.limits import body_torque_limit
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+
 ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
 AXES = ("x", "y", "z")
 _WORDS = {"body": "body", "wheels": "wheel", "thrusters": "thruster"}
@@ -30,6 +31,8 @@ _euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
 
 def shade(axes: Axes, result: Answer, legend: bool = True) -> None:
     """Shade the coasting tail and the family's windows, and mark the end of each phase."""
+    from matplotlib.patches import Patch
+
     line = timeline(result.phases)
     handles: list[Artist] = []
     for shaded in sections_of(result).shades(result):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from jaxatt.drawing.figure import Picture, picture, save
+from jaxatt.drawing.figure import picture, save
 from jaxatt.drawing.panels import pulses
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.sections import Panel
@@ -20,6 +20,11 @@ from jaxatt.report.family import sections_of
 from jaxatt.report.pointing_plot import pointing_figure
 from jaxatt.report.starts_panel import starts_panel
 from jaxatt.runtime.files import filling
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 _SPACECRAFT: Mapping[str, tuple[str, Panel]] = {
     "quaternion": ("torque_thrusters", panels.quaternion_components),

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-from matplotlib.axes import Axes
+from typing import TYPE_CHECKING
 
-from jaxatt.drawing.figure import COAST, Picture, colour, picture, tidy
+import numpy as np
+
+from jaxatt.drawing.figure import COAST, colour, picture, tidy
 from jaxatt.problems.answer import Answer
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.wording import limit_label
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 _RING = 361
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
-from jaxatt.drawing.figure import colour, tidy
+from jaxatt.drawing.figure import colour, tidy, whole_ticks
 from jaxatt.records.phase import Phase
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
@@ -38,6 +39,6 @@ def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
         axes.scatter(other.active_intervals, unit * other.l1_effort, **diamond)
     axes.set_xlabel("active intervals")
     axes.set_ylabel(r"$\int |u|\, dt$" if unitless else "L1 effort [mN m s]")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    whole_ticks(axes.xaxis)
     axes.legend(fontsize=8, frameon=False, loc="best")
     tidy(axes)

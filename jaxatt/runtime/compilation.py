@@ -24,6 +24,7 @@ from jax import export
 from jax.stages import Lowered
 
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
+from jaxatt.runtime.source import source_digest
 
 _FOLDER = "jaxatt"
 """Where programs are kept, inside the folder of JAX's persistent compilation cache."""
@@ -180,12 +181,3 @@ def _circumstances() -> str:
         if not any(word in name for word in passing)
     }
     return repr((source_digest(), jax.__version__, jax.default_backend(), settings))
-
-
-@functools.cache
-def source_digest() -> str:
-    """Digest of the package's source."""
-    code = hashlib.sha256()
-    for source in sorted(Path(__file__).parents[1].rglob("*.py")):
-        code.update(source.read_bytes())
-    return code.hexdigest()

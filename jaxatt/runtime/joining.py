@@ -11,8 +11,6 @@ import threading
 from dataclasses import dataclass
 from typing import NoReturn
 
-import jax
-
 AUTOMATIC = "auto"
 """Coordinator that the cluster's scheduler tells."""
 
@@ -93,6 +91,8 @@ class Joining:
         self.check()
         if self.coordinator is None:
             return
+        import jax  # who joins nobody waits for no JAX
+
         failed: list[Exception] = []
 
         def connect() -> None:
@@ -142,12 +142,13 @@ class Joining:
 
 def several() -> bool:
     """Whether this process has joined others, or tried to."""
-    return bool(jax.distributed.is_initialized())
+    jax = sys.modules.get("jax")  # whoever has joined others has loaded it
+    return jax is not None and bool(jax.distributed.is_initialized())
 
 
 def writes() -> bool:
     """Whether this process writes and prints: process 0 does."""
-    return not several() or jax.process_index() == 0
+    return not several() or bool(sys.modules["jax"].process_index() == 0)
 
 
 def leave(code: int) -> NoReturn:

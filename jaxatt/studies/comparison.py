@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
@@ -28,6 +27,9 @@ from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.baseline import FlownPD, fly_pd_phases
 from jaxatt.studies.controllers_table import comparison_table
 from jaxatt.studies.relative_sparsity import attainable
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
 
 
 @dataclass(frozen=True)

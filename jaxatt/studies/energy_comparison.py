@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Group
 from rich.text import Text
 
 from jaxatt import scenarios
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
@@ -26,6 +25,9 @@ from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.energy_table import energy_table
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jaxatt.control.eigenaxis import Eigenaxis
 from jaxatt.control.latched_min_norm import LatchedMinNorm
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.simulate import plan_of, simulate
@@ -24,6 +23,10 @@ from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.scenarios import load_flight
 from jaxatt.scenarios.flight_model import FlightScenario
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 REPRODUCED = 0.05
 """Relative difference up to which a printed value counts as reproduced."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import jax.numpy as jnp
@@ -16,7 +16,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from jaxatt.attitude import quaternion
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_text
 from jaxatt.environment import epoch, kepler, orbit
@@ -29,6 +29,10 @@ from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.scenarios.bundled import text
 from jaxatt.simulation.slew_metrics import footprints, sampling_distance
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 NAME = "hypso1-imaging"
 

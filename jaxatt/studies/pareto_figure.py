@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-import numpy as np
-from matplotlib.axes import Axes
+from typing import TYPE_CHECKING
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+import numpy as np
+
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.problems.front import Front
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 
 def front_figure(front: Front, price: Floats, title: str) -> Picture:

@@ -6,7 +6,7 @@ import csv
 import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
@@ -14,7 +14,6 @@ from rich.table import Table
 from rich.text import Text
 
 from jaxatt import scenarios
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.front import Front
@@ -24,6 +23,9 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.files import filling, replacing
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.pareto_figure import front_figure
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,11 @@ import csv
 import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.table import Table
 
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.net_power.dates import DatedPlan, plan_on_dates
@@ -25,6 +24,10 @@ from jaxatt.runtime.json_files import write_json
 from jaxatt.runtime.settings import check_precision
 from jaxatt.studies.year_dates import beta_angle
 from jaxatt.studies.year_view import beta_figure, year_figure, year_table
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 STARTS = 4
 """Starts of a harvest on each date, unless others are asked for."""

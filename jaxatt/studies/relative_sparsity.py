@@ -10,13 +10,13 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jaxatt import scenarios
 from jaxatt.attitude import errors
-from jaxatt.drawing.figure import Picture, picture, save, tidy
+from jaxatt.drawing.figure import picture, save, tidy
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS
 from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bang_off_bang, try_bang_off_bang
@@ -33,6 +33,9 @@ from jaxatt.studies.impulse_balance import (
     least_intervals,
     least_on_time,
 )
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
 
 
 @dataclass(frozen=True)

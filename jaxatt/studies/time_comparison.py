@@ -6,14 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Group
 from rich.text import Text
 
 from jaxatt import scenarios
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.pipeline.solve import solve
@@ -27,6 +26,10 @@ from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.eigenaxis_time import eigenaxis_time, has_no_gyroscopic_torque
 from jaxatt.studies.time_table import time_table
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 _EULER_TOLERANCE_DEG = 2.0
 """Forward Euler ends some way off when flown; that is reported rather than refused."""

@@ -6,14 +6,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Group
 from rich.text import Text
 
 from jaxatt import scenarios
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.front import FrontRequest
@@ -28,6 +27,10 @@ from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.energy_comparison import quaternion_error
 from jaxatt.studies.weight_findings import weight_findings
 from jaxatt.studies.weight_table import weight_figure, weight_table
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 STARTS = 8
 """Starts of each weight, unless others are asked for; an answer may serve any weight."""

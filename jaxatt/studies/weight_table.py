@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import short
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 _Rows = Sequence[Mapping[str, Any]]
 

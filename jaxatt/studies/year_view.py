@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.dates import ConciseDateFormatter
-from rich.table import Table
 from rich.text import Text
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.problems.reading.dates import moment_of
 from jaxatt.records.dense_table import dense_table
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from rich.table import Table
+
+    from jaxatt.drawing.picture import Picture
 
 Row = Mapping[str, Any]
 """A date, under the names of the files; None where a number is not known."""

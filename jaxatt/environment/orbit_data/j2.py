@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import jax
 import jax.numpy as jnp
 import numpy as np
-from scipy.integrate import OdeSolution, solve_ivp
 
 from jaxatt.environment.ephemeris import States
 from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.environment.orbit import MU_EARTH
 from jaxatt.environment.precession import precession
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from scipy.integrate import OdeSolution
 
 J2 = 1.08262668e-3
 """Second zonal harmonic of the Earth's field, EGM96, for `RADIUS`."""
@@ -71,6 +74,8 @@ class Propagation:
         return states[:, :3], states[:, 3:]
 
     def _integrated(self, end: float) -> OdeSolution:
+        from scipy.integrate import solve_ivp
+
         found = solve_ivp(
             self._slope,
             (0.0, end),

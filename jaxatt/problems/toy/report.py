@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from jaxatt.drawing.panels import lines, pulses, references
 from jaxatt.problems.answer import Answer
@@ -15,6 +15,9 @@ from jaxatt.problems.sections import Panel
 from jaxatt.records.labels import Variable
 from jaxatt.records.phase import Phase
 from jaxatt.records.timeline import timeline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def control(axes: Axes, answer: Answer) -> None:

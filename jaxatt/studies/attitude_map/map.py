@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.console import Group
 
 from jaxatt import scenarios
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.turns import turns_figure
 from jaxatt.report.store.dataset import load_store
@@ -21,6 +21,9 @@ from jaxatt.studies.attitude_map.run import run_map
 from jaxatt.studies.attitude_map.study import REACHED_COLUMN, MapStudy, map_study
 from jaxatt.studies.attitude_map.table import map_numbers, map_table
 from jaxatt.studies.stored_study import StoredStudy
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
 
 
 class AttitudeMap(StoredStudy):

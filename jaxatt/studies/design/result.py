@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.report.result import Result
@@ -22,6 +22,10 @@ from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.design.evaluate import Evaluation
 from jaxatt.studies.design.study import WORST, DesignStudy
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 AGREED = 1e-3
 """Relative difference up to which the independent solve confirms the measure."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.runtime.files import filling
@@ -21,6 +20,8 @@ from jaxatt.studies.orbit_course.view import course_figure, course_table
 
 if TYPE_CHECKING:
     import xarray
+
+    from jaxatt.drawing.picture import Picture
 
 _SERIES = {
     "position": ("axis", "m", "position in inertial axes (EME2000)"),

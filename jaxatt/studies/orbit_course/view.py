@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.world_map import track, world_map
 from jaxatt.records.dense_table import dense_table
 from jaxatt.records.wording import plural
 from jaxatt.studies.orbit_course.course import Course
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 _SHADOW = "#555555"
 

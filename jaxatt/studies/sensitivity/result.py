@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.optimize.sensitivity.record import Sensitivities
 from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
+
 
 _SHOWN = 24
 _NAMED = 6

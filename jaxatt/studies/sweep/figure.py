@@ -6,14 +6,16 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.runtime.arrays import Floats
 from jaxatt.studies.sweep.study import FAILED, NOT_REACHED, REACHED, SCENARIO, STATE
 
 if TYPE_CHECKING:
     import xarray
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 _MOST_PANELS = 30
 _AXIS = {"linear": "linear", "logarithmic": "log"}

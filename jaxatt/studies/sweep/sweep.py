@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rich.console import Group
 
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.report.store.dataset import load_store
@@ -26,6 +25,8 @@ from jaxatt.studies.sweep.table import sweep_table
 
 if TYPE_CHECKING:
     import xarray
+
+    from jaxatt.drawing.picture import Picture
 
 
 class Sweep(StoredStudy):

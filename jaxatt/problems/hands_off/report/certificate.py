@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from jaxatt.drawing.figure import Picture
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.hands_off.certificate import CertificateRecord
@@ -21,6 +20,8 @@ from jaxatt.runtime.json_files import write_json
 
 if TYPE_CHECKING:
     import xarray
+
+    from jaxatt.drawing.picture import Picture
 
 
 @dataclass(frozen=True, eq=False, repr=False)

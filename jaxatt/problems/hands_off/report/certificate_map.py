@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from jaxatt.drawing.figure import Picture, colour, picture
+from jaxatt.drawing.figure import colour, picture
 from jaxatt.problems.hands_off.certificate import CertificateRecord, PhaseCertificate
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 
 def plot(certificate: CertificateRecord) -> Picture:

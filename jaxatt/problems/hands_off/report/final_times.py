@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
-from jaxatt.drawing.figure import colour, tidy
+from jaxatt.drawing.figure import colour, tidy, whole_ticks
 from jaxatt.problems.hands_off.record import FinalTimes, sparse_section
 from jaxatt.records.labels import Variable
 from jaxatt.records.phase import Phase
 from jaxatt.records.wording import plural, short
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 def final_times_summary(tried: FinalTimes | None) -> dict[str, Any] | None:
@@ -105,5 +106,5 @@ def final_times_panels(axes: Sequence[Axes], phase: Phase) -> None:
     above.set_ylabel("cost")
     above.legend(fontsize=8, frameon=False, loc="best")
     below.set_ylabel("active intervals")
-    below.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    whole_ticks(below.yaxis)
     below.set_xlabel("final time [s]")

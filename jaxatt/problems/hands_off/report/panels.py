@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from jaxatt.drawing.figure import CHEAP, FORBIDDEN, Picture, colour, picture
+from jaxatt.drawing.figure import CHEAP, FORBIDDEN, colour, picture
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.hands_off.record import sparse_section
 from jaxatt.problems.hands_off.report.final_times import final_times_panels
 from jaxatt.problems.sections import Panel, Shade
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
 
 
 def shades(answer: Answer) -> tuple[Shade, ...]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
-from jaxatt.drawing.figure import colour, tidy
+from jaxatt.drawing.figure import colour, tidy, whole_ticks
 from jaxatt.drawing.panels import lines, references
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.record import net_power
@@ -17,6 +15,9 @@ from jaxatt.problems.sections import Panel, Shade
 from jaxatt.records.phase import Phase
 from jaxatt.records.timeline import timeline
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _DASHED: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (4, 2))}
 _DARK: dict[str, Any] = {"facecolor": "#D9D9D9", "linewidth": 0}
@@ -142,7 +143,7 @@ def starts_panel(axes: Axes, phase: Phase) -> None:
     words = "cost" if costly else "energy"
     axes.set_xlabel(f"starts in order of {words} ({100 * found.share:.0f} % at the best)")
     axes.set_ylabel("cost" if costly else "net energy [J]")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    whole_ticks(axes.xaxis)
     axes.legend(fontsize=8, frameon=False, loc="best")
     tidy(axes)
 

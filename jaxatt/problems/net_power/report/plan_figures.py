@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from jaxatt.drawing.figure import Picture
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.plan.report.ground_track import ground_track
 from jaxatt.problems.net_power.plan.report.timeline import timeline_figure
 from jaxatt.problems.net_power.report.plan_course import course_of, is_plan
+
+if TYPE_CHECKING:
+    from jaxatt.drawing.picture import Picture
 
 
 def overview(answer: Answer) -> Picture | None:

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jax
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from jaxatt.attitude import mrp
-from jaxatt.drawing.figure import colour, tidy
+from jaxatt.drawing.figure import colour, tidy, whole_ticks
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.sections import Panel
 from jaxatt.problems.time_optimal.record import time_optimum
 from jaxatt.records.phase import Phase
 from jaxatt.records.timeline import timeline
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _sigma = jax.jit(mrp.from_quaternion)
 
@@ -81,7 +82,7 @@ def costs_panel(axes: Axes, phase: Phase) -> None:
     axes.axhline(optimum.cost, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
     axes.set_xlabel(f"starts in order of cost ({100 * optimum.share:.0f} % at the best)")
     axes.set_ylabel("cost [s]")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    whole_ticks(axes.xaxis)
     axes.legend(fontsize=8, frameon=False, loc="best")
     tidy(axes)
 

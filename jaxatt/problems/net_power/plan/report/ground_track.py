@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 
-from jaxatt.drawing.figure import Picture, picture
+from jaxatt.drawing.figure import picture
 from jaxatt.drawing.world_map import part_around, track, world_map
 from jaxatt.environment import ground
 from jaxatt.environment.along_orbit import OrbitTask
@@ -24,6 +22,12 @@ from jaxatt.problems.net_power.plan.task import (
     Task,
 )
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
+    from jaxatt.drawing.picture import Picture
 
 COLOURS = {HARVEST: "#C9A227", IMAGE: "#009E73", COMMUNICATE: "#0072B2", IDLE: "#888888"}
 """Of the modes of operation, as lines."""
@@ -77,6 +81,8 @@ def _below(flown: OrbitTask, times: Floats) -> tuple[Floats, Floats]:
 
 def _names(axes: Axes, tasks: Sequence[Task]) -> None:
     """Write each place's name once, beside it, with room between the names of neighbours."""
+    from matplotlib.patheffects import withStroke
+
     sites = {task.site: task.name for task in reversed(tasks) if task.site is not None}
     (west, east), (south, north) = axes.get_xlim(), axes.get_ylim()
     room, aside, above = _ROOM * (north - south), _ASIDE * (east - west), np.inf
@@ -96,6 +102,8 @@ def _names(axes: Axes, tasks: Sequence[Task]) -> None:
 
 
 def _legend(course: Course) -> list[Line2D]:
+    from matplotlib.lines import Line2D
+
     modes = dict.fromkeys(task.mode for task in course.tasks)
     handles = [Line2D([], [], color=COLOURS[mode], linewidth=2.5, label=mode) for mode in modes]
     if (course.light < 0.5).any():

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.patches import Patch
 
-from jaxatt.drawing.figure import Picture, colour, picture, tidy
+from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.panels import limits, lines, runs
 from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.report.course import Course
 from jaxatt.problems.net_power.plan.task import COMMUNICATE, HARVEST, IDLE, IMAGE
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from jaxatt.drawing.picture import Picture
+
 
 COLOURS = {HARVEST: "#F7E7B0", IMAGE: "#BFE3D3", COMMUNICATE: "#BBD7EE", IDLE: "#E4E4E4"}
 """Of the modes of operation."""
@@ -26,7 +31,7 @@ _RPM = 60.0 / (2.0 * np.pi)
 _SHORT = 0.012
 """Share of the plan below which a task's name is written upright."""
 
-Panel = Callable[[Axes, Course], None]
+Panel = Callable[["Axes", Course], None]
 
 
 def timeline_figure(course: Course, title: str, speed_limit: Floats | None = None) -> Picture:
@@ -56,6 +61,8 @@ def timeline_figure(course: Course, title: str, speed_limit: Floats | None = Non
 
 def bands(axes: Axes, course: Course) -> None:
     """Draw the tasks as bands with their names, and the Earth's shadow below them."""
+    from matplotlib.patches import Patch
+
     whole = course.tasks[-1].end
     for task in course.tasks:
         axes.axvspan(task.start, task.end, ymin=0.12, color=COLOURS[task.mode], linewidth=0)
