@@ -16,6 +16,7 @@ from jax import Array
 from jaxatt.environment import frames
 from jaxatt.environment.motion import Motion
 from jaxatt.environment.sinusoidal import sinusoidal_torque
+from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.settings import RUNS_ONCE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
@@ -85,7 +86,7 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
     )
 
 
-_on_grid = jax.jit(environment_at, compiler_options=RUNS_ONCE)
+_on_grid = Routine(environment_at, options=RUNS_ONCE)
 
 
 def _without_jumps(q: np.ndarray) -> np.ndarray:
@@ -111,7 +112,7 @@ def tabulate(
     return EnvironmentTable(
         jax.tree.map(lambda leaf: leaf[stages], values),
         jax.tree.map(lambda leaf: leaf[nodes], values),
-        jnp.asarray(2 * half),
+        np.asarray(2 * half),
     )
 
 

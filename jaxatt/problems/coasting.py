@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from jaxatt.attitude import quaternion
+from jaxatt.attitude.host_turns import conjugate, product
 from jaxatt.environment.table import Surroundings
 from jaxatt.problems.manoeuvre import InitialState, Target, automatic_substeps
 from jaxatt.runtime.arrays import Floats
@@ -51,7 +51,7 @@ def coasting_substeps(
 def coasting_rates(initial_state: InitialState, target: Target, duration: float) -> Floats:
     """Initial rate, and constant rates to the target the short and the long way, (3, 3) [rad/s]."""
     begin = np.asarray(initial_state.q_ob)
-    turn = np.asarray(quaternion.multiply(quaternion.conjugate(begin), np.asarray(target.q_ob)))
+    turn = product(conjugate(begin), np.asarray(target.q_ob))
     turn = turn if turn[0] >= 0.0 else -turn
     length = float(np.linalg.norm(turn[1:]))
     angle = 2.0 * np.arctan2(length, turn[0])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
+import numpy as np
 
 from jaxatt.environment import KeplerianElements
 from jaxatt.environment.motion import Motion, TwoBody
@@ -14,7 +14,7 @@ def elements_of(orbit: Orbit) -> KeplerianElements:
     """Osculating Keplerian elements at time zero."""
     return KeplerianElements(
         *(
-            jnp.asarray(value)
+            np.asarray(value)
             for value in (
                 orbit.semi_major_axis,
                 orbit.eccentricity,
@@ -31,7 +31,7 @@ def motion_of(orbit: Orbit) -> Motion:
     """Motion along an orbit, from time zero on: sampled, or an ellipse."""
     if orbit.path is not None and orbit.motion is None:
         raise ValueError("orbit: is no ellipse and was not sampled; call `covering` first")
-    return orbit.motion or TwoBody(elements_of(orbit), jnp.asarray(orbit.gravitational_parameter))
+    return orbit.motion or TwoBody(elements_of(orbit), np.asarray(orbit.gravitational_parameter))
 
 
 def surroundings_of(scenario: Scenario) -> Surroundings:
@@ -39,7 +39,7 @@ def surroundings_of(scenario: Scenario) -> Surroundings:
     orbit, disturbances = scenario.orbit, scenario.disturbances
     return Surroundings(
         None if orbit is None else motion_of(orbit),
-        jnp.asarray(float(disturbances.gravity_gradient)),
-        jnp.asarray(disturbances.sinusoidal_torque),
-        jnp.asarray(disturbances.sinusoidal_frequency),
+        np.asarray(float(disturbances.gravity_gradient)),
+        np.asarray(disturbances.sinusoidal_torque),
+        np.asarray(disturbances.sinusoidal_frequency),
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import jax
 import numpy as np
 
 from jaxatt.attitude import euler
@@ -15,6 +14,7 @@ from jaxatt.records.timeline import timeline
 from jaxatt.report.family import sections_of
 from jaxatt.report.limits import body_torque_limit
 from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.settings import RUNS_ONCE
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ AXES = ("x", "y", "z")
 _WORDS = {"body": "body", "wheels": "wheel", "thrusters": "thruster"}
 TORQUES = tuple(f"torque_{kind}" for kind in _WORDS)
 _RPM = 60.0 / (2.0 * np.pi)
-_euler = jax.jit(euler.from_quaternion, compiler_options=RUNS_ONCE)
+_euler = Routine(euler.from_quaternion, options=RUNS_ONCE)
 
 
 def shade(axes: Axes, result: Answer, legend: bool = True) -> None:

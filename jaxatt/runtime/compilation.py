@@ -38,16 +38,24 @@ class Routine:
     statics : how many of the first arguments are compiled in.  Where each of them is a number or
         a string, or has a `label` that is not None, programs can be kept; the label must be the
         same words in every process, and different ones for what compiles to something else.
+    options : of the compiler.
     kept : False where that is not wanted, as for programs that call LAPACK: tracing sets it up.
     """
 
-    def __init__(self, function: Run, statics: int = 0, kept: bool = True):
+    def __init__(
+        self,
+        function: Run,
+        statics: int = 0,
+        kept: bool = True,
+        options: dict[str, int | bool] = QUICK_TO_COMPILE,
+    ):
         functools.update_wrapper(self, function)
         self._function, self._statics, self._kept = function, statics, kept
+        self._options = options
         self._begun: dict[Hashable, Future[Run]] = {}
         self._plain: set[Hashable] = set()
         self._jitted = jax.jit(
-            function, static_argnums=tuple(range(statics)), compiler_options=QUICK_TO_COMPILE
+            function, static_argnums=tuple(range(statics)), compiler_options=options
         )
 
     def __call__(self, *args: Any) -> Any:
@@ -99,7 +107,7 @@ class Routine:
         if found is None:
             return self._jitted, lambda: self._jitted.lower(*args)
         exported, tree = found
-        flat = jax.jit(exported.call, compiler_options=QUICK_TO_COMPILE)
+        flat = jax.jit(exported.call, compiler_options=self._options)
 
         def leaves(some: tuple[Any, ...]) -> list[Any]:
             return jax.tree.leaves(some[self._statics :])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -12,7 +11,7 @@ import numpy as np
 from jax import Array
 
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.settings import QUICK_TO_COMPILE
+from jaxatt.runtime.compilation import Routine
 
 _AMPLITUDE = 0.003
 _SPREAD = 1.5
@@ -31,13 +30,15 @@ class Starts(NamedTuple):
     confined: np.ndarray
 
 
-@functools.partial(jax.jit, static_argnames=("count", "length"), compiler_options=QUICK_TO_COMPILE)
-def _normals(seed: int, count: int, length: int) -> Array:
+def _draw_normals(count: int, length: int, seed: int) -> Array:
     """Standard normals (count, length); row i depends on the seed and i alone."""
     key = jax.random.key(seed)
     return jax.vmap(lambda i: jax.random.normal(jax.random.fold_in(key, i), (length,)))(
         jnp.arange(count)
     )
+
+
+_normals = Routine(_draw_normals, statics=2)
 
 
 def draw(
@@ -54,7 +55,7 @@ def draw(
     guess itself.
     """
     per_start = intervals * (size + 1) + 2
-    normals = np.asarray(_normals(seed, count, per_start))
+    normals = np.asarray(_normals(count, per_start, seed))
     pulses = normals[:, 2:].reshape(count, intervals, size + 1)
     direction, height = pulses[..., :size], np.exp(_SPREAD * pulses[..., size:])
     if guess is None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from typing import NamedTuple
 
 import jax
@@ -19,6 +18,7 @@ from jaxatt.problems.manoeuvre import Target, Waypoint
 from jaxatt.problems.pointing.cones import NO_POINTING, PointingPath
 from jaxatt.problems.terminal_rows import RATE_SCALE
 from jaxatt.runtime.arrays import Flags, Floats
+from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.momentum_model import BodyParameters
 from jaxatt.spacecraft.dynamics import AttitudeState, at_relative_rate
@@ -38,8 +38,7 @@ class Beginning(NamedTuple):
     momentum_i: Array
 
 
-@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
-def begin(
+def _begin(
     craft: Spacecraft, q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
 ) -> Beginning:
     """Beginning from attitude and rate relative to the orbit, and wheel speeds."""
@@ -47,6 +46,9 @@ def begin(
     q_ib = quaternion.multiply(environment.orbit_attitude, state.q_ob)
     momentum = total_momentum(craft, state.omega_ib, state.omega_bw)
     return Beginning(state, q_ib, momentum, quaternion.rotate(q_ib, momentum))
+
+
+begin = Routine(_begin, options=RUNS_ONCE)
 
 
 def _nearer(q: Floats, to: Floats) -> Floats:

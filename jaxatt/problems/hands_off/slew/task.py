@@ -14,6 +14,7 @@ import numpy.typing as npt
 from jax import Array
 
 from jaxatt.attitude import errors
+from jaxatt.attitude.host_turns import conjugate, product, turn_of
 from jaxatt.environment.table import Surroundings, coarsen, tabulate
 from jaxatt.problems.coasting import needed_substeps
 from jaxatt.problems.hands_off.printed_cost import partly_open, support_cost
@@ -38,6 +39,7 @@ from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import in_chunks
+from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.simulation.flight import Trajectory
 from jaxatt.simulation.flight_error import judging_steps
@@ -55,13 +57,12 @@ def _compared(q_ref: Floats, q: Floats | Array) -> tuple[Floats, Floats]:
     return in_chunks(lambda pair: _compare(*pair), pairs, key="compare")
 
 
-_turn = jax.jit(errors.rotation_vector, compiler_options=RUNS_ONCE)
-
-
-@functools.partial(jax.jit, compiler_options=RUNS_ONCE)
-def _compare(q_ref: Array, q: Array) -> tuple[Array, Array]:
+def _angle_and_metric(q_ref: Array, q: Array) -> tuple[Array, Array]:
     """Angle [rad] and smoothed metric g (5.2) between attitudes."""
     return errors.angle(q_ref, q), errors.smooth_pseudo_metric(q_ref, q)
+
+
+_compare = Routine(_angle_and_metric, options=RUNS_ONCE)
 
 
 class SlewTask(SparseTask):
@@ -367,7 +368,8 @@ class SlewTask(SparseTask):
 
     def long_way_probability(self) -> float:
         """See `jaxatt.problems.manoeuvre.long_way_probability`."""
-        turn = np.asarray(_turn(self.start.q_ob, self.target.q_ob))
+        between = product(conjugate(np.asarray(self.start.q_ob)), np.asarray(self.target.q_ob))
+        turn = turn_of(between if between[0] >= 0.0 else -between)
         rate, duration = self.initial_state.omega_ob, self.intervals * self.step
         return long_way_probability(turn, rate, duration)
 
