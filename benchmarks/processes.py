@@ -30,8 +30,7 @@ def solve_process(case: str, cache: Path | None) -> Process:
     environment = {k: v for k, v in os.environ.items() if k != "JAX_COMPILATION_CACHE_DIR"}
     with tempfile.TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "jaxatt", "solve", case, "--quiet", "--out", folder]
-        if cache is not None:
-            command += ["--compile-cache", str(cache)]
+        command += ["--no-cache"] if cache is None else ["--compile-cache", str(cache)]
         began = time.perf_counter()
         process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
         _, code, usage = os.wait4(process.pid, 0)

@@ -174,6 +174,6 @@ def test_an_interruption_ends_with_130_and_leaves_nothing(here, monkeypatch):
 def test_the_installed_command_enables_double_precision_by_itself():
     code = (
         "import jax, jaxatt.cli.common as common; assert not jax.config.jax_enable_x64; "
-        "common.prepare_jax(); assert jax.config.jax_enable_x64"
+        "common.computing(no_cache=True).__enter__(); assert jax.config.jax_enable_x64"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

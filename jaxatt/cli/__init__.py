@@ -7,6 +7,9 @@ another process of the same computation is lost, 130 when interrupted.
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
 import typer
 
 from jaxatt.cli.commands import Commands
@@ -27,4 +30,10 @@ def jaxatt() -> None:
 
 def main() -> None:
     """Entry point of the `jaxatt` command."""
+    warnings.formatwarning = _one_line
     app()
+
+
+def _one_line(message: Warning | str, *_: Any, **__: Any) -> str:
+    """A warning without the line of code that it comes from."""
+    return f"Warning: {' '.join(str(message).split())}\n"

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared
-from jaxatt.cli.options import Cache, Case, Objective, Out, Quiet, Seed, Starts
+from jaxatt.cli.common import NOT_REACHED, computing, finish, prepared
+from jaxatt.cli.options import Cache, Case, NoCache, Objective, Out, Quiet, Seed, Starts
 from jaxatt.pipeline.certify import MOST_SUPPORTS
 from jaxatt.pipeline.certify import certify as run
 from jaxatt.runtime.progress import Reporter
@@ -26,6 +26,7 @@ def certify(
     ] = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Solve, then try every support with fewer active intervals, and all with as many."""
@@ -34,9 +35,8 @@ def certify(
         "solver.seed": seed,
         "objective.kind": objective,
     }
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         scenario, folder = prepared(case, changes, out)
-        prepare_jax(compile_cache)
 
         with Reporter(scenario.solver.starts, quiet) as report:
             certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)

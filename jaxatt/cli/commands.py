@@ -73,6 +73,10 @@ COMMANDS = {
         "jaxatt.cli.conventions:conventions",
         "Print one attitude as CCSDS, STK, Basilisk, SPICE and others write it.",
     ),
+    "cache": (
+        "jaxatt.cli.cache:cache",
+        "Say what is kept of compiled programs, or remove it.",
+    ),
     "scenarios": (
         "jaxatt.cli.scenarios:scenarios",
         "List the bundled scenarios, or print one as TOML.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import traceback
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -17,11 +17,13 @@ from rich.console import Console, RenderableType
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.runtime.compile_cache import machine_cache, make_private, trim, user_cache
 from jaxatt.runtime.files import OutputError, prepare_folder
 from jaxatt.runtime.joining import JoinError, Joining, LostProcessError, leave, several, writes
 from jaxatt.runtime.source import source_digest
 
 if TYPE_CHECKING:
+    from jaxatt.report.plots import Figures
     from jaxatt.report.result import Result
     from jaxatt.scenarios import Scenario
 
@@ -30,11 +32,25 @@ BAD_INPUT, NOT_REACHED, LOST, INTERRUPTED = 2, 3, 4, 130
 _ALONE = Joining()
 
 
-def prepare_jax(cache: Path | None = None) -> None:
-    """Set JAX up for this process, before anything is computed."""
+@contextmanager
+def computing(cache: Path | None = None, no_cache: bool = False) -> Iterator[None]:
+    """Set JAX up for what is computed inside, and leave as `clean_exit` does.
+
+    cache : folder that keeps compiled programs, the user's own by default.
+    """
     from jaxatt.runtime.settings import configure  # commands that compute nothing load no JAX
 
-    configure(cache=cache)
+    with clean_exit():
+        folder = None if no_cache else cache or machine_cache()
+        trouble = "" if folder is None else make_private(folder)
+        if trouble:
+            complain(f"Note: {trouble}")
+        configure(cache=None if trouble else folder, keep=not (no_cache or trouble))
+        try:
+            yield
+        finally:
+            if folder is not None and cache is None and not trouble:
+                trim(user_cache())
 
 
 def prepared(
@@ -87,23 +103,50 @@ def finish(
     quiet: bool,
     table: RenderableType,
     sentences: Iterable[str] = (),
+    draw: Callable[[], list[Path]] = list,
 ) -> None:
     """Print a result whose files are written: the table and where they are, or `line` if quiet.
 
-    Files come first, so that nothing is lost where nothing can be printed.
+    Files come first, so that nothing is lost where nothing can be printed; figures, which `draw`
+    makes, come last, so that nobody waits for them.
     """
+    from jaxatt.records.wording import plural
+
+    unprinted = None
     try:
         if quiet:
             say(f"{line}; {folder}")
-            return
-        _show(table)
-        for sentence in sentences:
-            say(sentence)
-        plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
-        figures = sum(file.suffix == ".png" for file in files)
-        say(f"Written to {folder}: {', '.join(plain)} and {figures} figures")
+        else:
+            _show(table)
+            for sentence in sentences:
+                say(sentence)
+    except OutputError as error:
+        unprinted = error
+    files = [*files, *draw()]
+    plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
+    figures = plural(len(files) - len(plain), "figure")
+    try:
+        if unprinted is not None:
+            raise unprinted
+        if not quiet:
+            say(f"Written to {folder}: {', '.join(plain)} and {figures}")
     except OutputError as error:
         raise OutputError(f"{error}; all files are in {folder}") from error
+
+
+def finish_result(result: Result, folder: Path, figures: Figures, quiet: bool) -> None:
+    """Write a result, print it, draw it."""
+    from jaxatt.report.tables import result_table
+
+    files = result.save(folder, "none")
+    finish(
+        repr(result),
+        files,
+        folder,
+        quiet,
+        result_table(result),
+        draw=lambda: result.save_figures(folder, figures),
+    )
 
 
 def _show(table: RenderableType) -> None:

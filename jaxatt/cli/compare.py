@@ -9,14 +9,13 @@ import typer
 
 from jaxatt.cli.common import (
     NOT_REACHED,
-    clean_exit,
     complain,
+    computing,
     finish,
-    prepare_jax,
     prepared,
     shortfall,
 )
-from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.cli.options import Cache, Case, NoCache, Out, Quiet, Seed, Starts
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
@@ -32,19 +31,19 @@ def compare(
     seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Run every controller, law or transcription of a case beside its printed values."""
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         kind = _kind(case)
         if kind == "imaging":
             _compare_imaging(case, out, quiet)
             return
         if kind == "flight":
-            _compare_flight(case, seed, out, compile_cache, quiet)
+            _compare_flight(case, seed, out, quiet)
             return
         scenario, folder = prepared(case, {"solver.starts": starts, "solver.seed": seed}, out)
-        prepare_jax(compile_cache)
 
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, starts, seed, report)
@@ -66,11 +65,7 @@ def _kind(case: str) -> str:
     return "flight" if has_laws else "manoeuvre"
 
 
-def _compare_flight(
-    case: str, seed: int | None, out: Path | None, cache: Path | None, quiet: bool
-) -> None:
-
-    prepare_jax(cache)
+def _compare_flight(case: str, seed: int | None, out: Path | None, quiet: bool) -> None:
 
     flight = load_flight(case)
     folder = prepare_folder(out or Path("results") / flight.name)
@@ -82,7 +77,6 @@ def _compare_flight(
 def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
 
     folder = prepare_folder(out or Path("results") / case)
-    prepare_jax()
 
     found = compare_imaging()
     finish(repr(found), found.save(folder), folder, quiet, found.table())

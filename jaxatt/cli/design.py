@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax
-from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts
+from jaxatt.cli.common import NOT_REACHED, complain, computing, finish
+from jaxatt.cli.options import Cache, NoCache, Out, Quiet, Seed, Starts
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.design.design import design as find
@@ -23,17 +23,17 @@ def design(
     seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Choose numbers of a scenario by descent: torque limits, mountings, sizes of wheels.
 
     What is minimised is the objective of its answers, or a number under a limit of that objective.
     """
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         given = {"solver.starts": starts, "solver.seed": seed}
         study = load_design(case, {key: value for key, value in given.items() if value is not None})
         folder = prepare_folder(out or Path("results") / study.name)
-        prepare_jax(compile_cache)
         with Reporter(study.points, quiet) as report:
             found = find(study, report)
         finish(repr(found), found.save(folder), folder, quiet, found.table())

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit, prepare_jax, say
+from jaxatt.cli.common import computing, say
 from jaxatt.cli.options import Quiet
 from jaxatt.report.export.export import export as write
 from jaxatt.report.export.files import Format
@@ -53,8 +53,7 @@ def export(
     quiet: Quiet = False,
 ) -> None:
     """Write the flown attitude, from EME2000 to body, as a file for other tools."""
-    with clean_exit():
-        prepare_jax()
+    with computing():
         if out is not None:
             prepare_folder(out)
         files = write(

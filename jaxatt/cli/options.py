@@ -11,6 +11,7 @@ import typer
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.heading import MOST_SEED, MOST_STARTS
 from jaxatt.problems.registry import families
+from jaxatt.report.plots import Figures
 
 MOST_TASKS = 100_000
 
@@ -57,9 +58,10 @@ Cache = Annotated[
         "--compile-cache",
         help="Folder that keeps compiled programs, so that the next process starts faster.",
         envvar="JAX_COMPILATION_CACHE_DIR",
-        show_default="none",
+        show_default="see jaxatt cache info",
     ),
 ]
+NoCache = Annotated[bool, typer.Option("--no-cache", help="Keep no compiled programs.")]
 Objective = Annotated[
     str | None,
     typer.Option(
@@ -77,6 +79,7 @@ Task = Annotated[
         show_default="all",
     ),
 ]
+Drawn = Annotated[Figures, typer.Option("--figures", help="Which figures are drawn.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="One line instead of progress and tables.")]
 Coordinator = Annotated[
     str | None,

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit, complain, finish, prepare_jax
-from jaxatt.cli.options import Cache, Out, Quiet
+from jaxatt.cli.common import complain, computing, finish
+from jaxatt.cli.options import Cache, NoCache, Out, Quiet
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.studies.orbit_course.course import course_of
 from jaxatt.studies.orbit_course.reading import known_orbit
@@ -44,11 +44,11 @@ def orbit(
     ] = "",
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Show an orbit: elements, ground track, eclipses, the sun above its plane, magnetic field."""
-    with clean_exit():
-        prepare_jax(compile_cache)
+    with computing(compile_cache, no_cache):
         known = known_orbit(case, object_, epoch)
         folder = prepare_folder(out or Path("results") / f"{known.name}-orbit")
         found = OrbitCourse(course_of(known, None if hours is None else 3600.0 * hours))

@@ -9,11 +9,10 @@ import typer
 
 from jaxatt.cli.common import (
     NOT_REACHED,
-    clean_exit,
     complain,
+    computing,
     finish,
     numbers,
-    prepare_jax,
     prepared,
 )
 from jaxatt.cli.options import (
@@ -21,6 +20,7 @@ from jaxatt.cli.options import (
     Case,
     Coordinator,
     JoinTimeout,
+    NoCache,
     Out,
     Process,
     Processes,
@@ -63,6 +63,7 @@ def pareto(
     seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     coordinator: Coordinator = None,
     processes: Processes = None,
     process: Process = None,
@@ -70,10 +71,9 @@ def pareto(
     quiet: Quiet = False,
 ) -> None:
     """Compute the Pareto front of a manoeuvre's energy against time or against its error."""
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         given = None if values is None else numbers(values, "--values")
         asked = front_request(over, points, given)
-        prepare_jax(compile_cache)
         joining = Joining(coordinator, processes, process, join_timeout)
         scenario, folder = prepared(case, {}, out, joining)
         flown = asked.points * (starts or min(STARTS, scenario.solver.starts))

@@ -7,12 +7,14 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, finish, prepare_jax, prepared
+from jaxatt.cli.common import NOT_REACHED, computing, finish, finish_result, prepared
 from jaxatt.cli.options import (
     Cache,
     Case,
     Coordinator,
+    Drawn,
     JoinTimeout,
+    NoCache,
     Out,
     Process,
     Processes,
@@ -21,7 +23,7 @@ from jaxatt.cli.options import (
     Starts,
 )
 from jaxatt.pipeline.solve import solve
-from jaxatt.report.tables import result_table
+from jaxatt.report.plots import Figures
 from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import Scenario, ScenarioError
@@ -50,8 +52,10 @@ def plan(
             show_default=False,
         ),
     ] = None,
+    figures: Drawn = Figures.overview,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     coordinator: Coordinator = None,
     processes: Processes = None,
     process: Process = None,
@@ -60,8 +64,7 @@ def plan(
 ) -> None:
     """Plan tasks that earn the most energy, fly the plan, write summary, archive and figures."""
     changes = {"solver.starts": starts, "solver.seed": seed, "plan.joint": joint}
-    with clean_exit():
-        prepare_jax(compile_cache)
+    with computing(compile_cache, no_cache):
         joining = Joining(coordinator, processes, process, join_timeout)
         scenario, folder = prepared(case, changes, out, joining)
         if "tasks" not in scenario.document:
@@ -74,7 +77,7 @@ def plan(
         with Reporter(scenario.solver.starts, quiet or not writes()) as report:
             result = solve(scenario, report=report)
         if writes():
-            finish(repr(result), result.save(folder), folder, quiet, result_table(result))
+            finish_result(result, folder, figures, quiet)
         if not result.reached:
             raise typer.Exit(NOT_REACHED)
 

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax, prepared
-from jaxatt.cli.options import Cache, Case, Out, Quiet, Seed, Starts
+from jaxatt.cli.common import NOT_REACHED, complain, computing, finish, prepared
+from jaxatt.cli.options import Cache, Case, NoCache, Out, Quiet, Seed, Starts
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.sensitivity.sensitivities import sensitivities as find
 
@@ -30,12 +30,12 @@ def sensitivities(
     seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Say how the answer of a scenario changes with the numbers of the scenario."""
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         scenario, folder = prepared(case, {}, out)
-        prepare_jax(compile_cache)
         names = None if parameters is None else [part.strip() for part in parameters.split(",")]
         with Reporter(starts or scenario.solver.starts, quiet) as report:
             found = find(scenario, names, starts=starts, seed=seed, phase=phase, report=report)

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, finish, prepare_jax
-from jaxatt.cli.options import Cache, Flight, Out, Quiet
+from jaxatt.cli.common import NOT_REACHED, complain, computing, finish
+from jaxatt.cli.options import Cache, Flight, NoCache, Out, Quiet
 from jaxatt.pipeline.simulate import simulate as run
 from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.report.flight_table import flight_table
@@ -39,11 +39,11 @@ def simulate(
     ] = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Fly a feedback law, once or in a campaign of thousands of runs."""
-    with clean_exit():
-        prepare_jax(compile_cache)
+    with computing(compile_cache, no_cache):
         flight = load_flight(case)
         folder = prepare_folder(out or Path("results") / flight.name)
 

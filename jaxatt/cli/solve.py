@@ -8,10 +8,9 @@ import typer
 
 from jaxatt.cli.common import (
     NOT_REACHED,
-    clean_exit,
     complain,
-    finish,
-    prepare_jax,
+    computing,
+    finish_result,
     prepared,
     shortfall,
 )
@@ -19,7 +18,9 @@ from jaxatt.cli.options import (
     Cache,
     Case,
     Coordinator,
+    Drawn,
     JoinTimeout,
+    NoCache,
     Objective,
     Out,
     Process,
@@ -31,7 +32,7 @@ from jaxatt.cli.options import (
 )
 from jaxatt.pipeline.solve import solve as find
 from jaxatt.report.do_nothing import do_nothing_sentence
-from jaxatt.report.tables import result_table
+from jaxatt.report.plots import Figures
 from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
 
@@ -45,8 +46,10 @@ def solve(
         typer.Option(help="Reach the target, or minimise the printed cost.", show_default=False),
     ] = None,
     objective: Objective = None,
+    figures: Drawn = Figures.overview,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     coordinator: Coordinator = None,
     processes: Processes = None,
     process: Process = None,
@@ -60,14 +63,13 @@ def solve(
         "objective.terminal": None if terminal is None else terminal.value,
         "objective.kind": objective,
     }
-    with clean_exit():
-        prepare_jax(compile_cache)
+    with computing(compile_cache, no_cache):
         joining = Joining(coordinator, processes, process, join_timeout)
         scenario, folder = prepared(case, changes, out, joining)
         with Reporter(scenario.solver.starts, quiet or not writes()) as report:
             result = find(scenario, report=report)
         if writes():
-            finish(repr(result), result.save(folder), folder, quiet, result_table(result))
+            finish_result(result, folder, figures, quiet)
             if not result.reached:
                 # The table ends with this sentence already.
                 sentence = do_nothing_sentence(result) if quiet else ""

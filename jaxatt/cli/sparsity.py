@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import clean_exit, finish, prepare_jax, prepared
-from jaxatt.cli.options import Cache, Case, Out, Quiet
+from jaxatt.cli.common import computing, finish, prepared
+from jaxatt.cli.options import Cache, Case, NoCache, Out, Quiet
 from jaxatt.problems.reading.heading import MOST_STARTS
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.relative_sparsity import relative_sparsity
@@ -25,15 +25,15 @@ def sparsity(
     ] = "0.4,0.5,0.65,0.8,1,1.5,2",
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Compute relative sparsity against intervals and torque limit, with a lower bound."""
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         scenario, folder = prepared(case, {}, out)
         counts, factors = _numbers("--intervals", intervals), _numbers("--limits", limits)
         if not all(count >= 2 and count == int(count) for count in counts):
             raise typer.BadParameter(f"{intervals}: give whole numbers of at least 2")
-        prepare_jax(compile_cache)
 
         with Reporter(starts, quiet) as report:
             study = relative_sparsity(

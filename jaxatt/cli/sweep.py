@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from jaxatt.cli.common import NOT_REACHED, clean_exit, complain, prepare_jax
-from jaxatt.cli.options import Cache, Out, Quiet, Seed, Starts, Task, read_share
+from jaxatt.cli.common import NOT_REACHED, complain, computing
+from jaxatt.cli.options import Cache, NoCache, Out, Quiet, Seed, Starts, Task, read_share
 from jaxatt.cli.stored import grown
 from jaxatt.report.store.names import store_name
 from jaxatt.runtime.files import prepare_folder
@@ -25,13 +25,14 @@ def sweep(
     seed: Seed = None,
     out: Out = None,
     compile_cache: Cache = None,
+    no_cache: NoCache = False,
     quiet: Quiet = False,
 ) -> None:
     """Solve scenarios for many values of their numbers, sample by sample.
 
     A run that is killed goes on where it was.
     """
-    with clean_exit():
+    with computing(compile_cache, no_cache):
         share = read_share(task)
         given = {"solver.starts": starts, "solver.seed": seed}
         chosen = load_study(
@@ -41,7 +42,6 @@ def sweep(
             complain(f"Note: {chosen.origin}: {note}")
         folder = prepare_folder(out or Path("results") / chosen.name)
         path = folder / store_name(chosen.name, share)
-        prepare_jax(compile_cache)
         count = chosen.layout().samples_of(share)
         found = grown(
             lambda report: sweep_study(chosen, path, share=share, report=report),

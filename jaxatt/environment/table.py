@@ -6,7 +6,7 @@ The control does not change the orbit, so this is done once a manoeuvre and shar
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -103,6 +103,7 @@ def tabulate(
     start : [s] time of the first node.  step : [s] length of one of the `intervals`.
     """
     half = step / (2 * substeps)
+    substep: Any = np.asarray(2 * half)
     grid = start + half * np.arange(2 * substeps * intervals + 1)
     values = jax.tree.map(np.asarray, _on_grid(surroundings, grid))
     values = values._replace(orbit_attitude=_without_jumps(values.orbit_attitude))
@@ -112,7 +113,7 @@ def tabulate(
     return EnvironmentTable(
         jax.tree.map(lambda leaf: leaf[stages], values),
         jax.tree.map(lambda leaf: leaf[nodes], values),
-        np.asarray(2 * half),
+        substep,
     )
 
 

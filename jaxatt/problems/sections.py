@@ -103,7 +103,7 @@ class Sections:
     mark : draws into a panel of torques; "body", "wheels" or "thrusters", and which one of them, or
         None for all.
     shades : intervals that every panel shades.
-    figures : figures of its own, by name.
+    figures : what draws figures of its own, by name.
     table, overview : table and overview of an answer in place of those that every answer has, or
         None for those; where there are many phases, one row or one band a phase.
     starts : draws how all starts of a phase ended; None for effort against active intervals.
@@ -123,7 +123,7 @@ class Sections:
     )
     mark: Callable[[Axes, Answer, str, int | None], None] = lambda axes, answer, kind, only: None
     shades: Callable[[Answer], Sequence[Shade]] = lambda answer: ()
-    figures: Callable[[Answer], Mapping[str, Picture]] = lambda answer: {}
+    figures: Callable[[Answer], Mapping[str, Callable[[], Picture]]] = lambda answer: {}
     table: Callable[[Answer], Table | None] = lambda answer: None
     overview: Callable[[Answer], Picture | None] = lambda answer: None
     starts: Callable[[Axes, Phase], None] | None = None

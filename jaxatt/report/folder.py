@@ -6,16 +6,16 @@ from pathlib import Path
 
 from jaxatt.problems.answer import Answer
 from jaxatt.report.archive import write_archive
-from jaxatt.report.plots import save_figures
+from jaxatt.report.plots import Figures, save_figures
 from jaxatt.report.summary import write_summary
 from jaxatt.runtime.files import filling
 
 
-def save(result: Answer, folder: str | Path) -> list[Path]:
-    """Write summary, archive and figures; either all of them appear, or none."""
+def save(result: Answer, folder: str | Path, figures: Figures | str = Figures.all) -> list[Path]:
+    """Write summary and archive, both or neither, then figures; return the files."""
     with filling(folder) as partial:
         write_summary(result, partial / "summary.json")
         write_archive(result, partial / "result.nc")
-        save_figures(result, partial)
         names = sorted(entry.name for entry in partial.iterdir() if entry.is_file())
-    return [Path(folder) / name for name in names]
+    drawn = save_figures(result, folder, figures)
+    return sorted([*(Path(folder) / name for name in names), *drawn])

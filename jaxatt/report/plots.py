@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,6 +27,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from jaxatt.drawing.picture import Picture
+
+
+class Figures(StrEnum):
+    """Which figures of a result are drawn."""
+
+    none = "none"
+    overview = "overview"
+    all = "all"
+
 
 _SPACECRAFT: Mapping[str, tuple[str, Panel]] = {
     "quaternion": ("torque_thrusters", panels.quaternion_components),
@@ -66,35 +77,36 @@ def plot(result: Answer) -> Picture:
     return figure
 
 
-def figures(result: Answer) -> dict[str, Picture]:
-    """All figures by their names, the overview included."""
-    made = {"overview": plot(result)}
+def figures(result: Answer) -> dict[str, Callable[[], Picture]]:
+    """What draws each figure, by its name; the overview is the first."""
+    made: dict[str, Callable[[], Picture]] = {"overview": partial(plot, result)}
     for name, panel in _panels(result).items():
         if name in panels.TORQUES and result.scenario.vehicle is not None:
-            made[name] = _torque(result, name.removeprefix("torque_"))
-            continue
-        made[name] = picture(8.0, 3.6, result.scenario.title)
-        axes = made[name].subplots()
-        panel(axes, result)
-        panels.shade(axes, result)
-        axes.set_xlabel("time [s]")
+            made[name] = partial(_torque, result, name.removeprefix("torque_"))
+        else:
+            made[name] = partial(_alone, result, panel)
     if any(phase.pointing is not None and phase.pointing.angles.size for phase in result.phases):
-        made["pointing"] = pointing_figure(result)
-    made |= sections_of(result).figures(result)
-    count = len(_searched(result))
-    rows, columns = -(-count // _ABREAST), min(count, _ABREAST)
-    made["starts"] = picture(5.5 * columns, 4.0 * rows, result.scenario.title)
-    _starts(list(made["starts"].subplots(rows, columns, squeeze=False).flat), result)
-    return made
+        made["pointing"] = partial(pointing_figure, result)
+    return {**made, **sections_of(result).figures(result), "starts": partial(_all_starts, result)}
 
 
-def save_figures(result: Answer, folder: str | Path) -> list[Path]:
-    """Write every figure as a PNG file into a folder; return the files."""
-    made = figures(result)
-    with filling(folder) as partial:
-        for name, figure in made.items():
-            save(figure, partial / f"{name}.png")
-    return [Path(folder) / f"{name}.png" for name in sorted(made)]
+def save_figures(
+    result: Answer, folder: str | Path, which: Figures | str = Figures.all
+) -> list[Path]:
+    """Write figures as PNG files into a folder; return the files.
+
+    Those of an earlier result that are not drawn again are removed.
+    """
+    known = figures(result)
+    drawn = {Figures.none: [], Figures.overview: ["overview"], Figures.all: sorted(known)}[
+        Figures(which)
+    ]
+    for name in known.keys() - set(drawn):
+        (Path(folder) / f"{name}.png").unlink(missing_ok=True)
+    with filling(folder) as unfinished:
+        for name in drawn:
+            save(known[name](), unfinished / f"{name}.png")
+    return [Path(folder) / f"{name}.png" for name in drawn]
 
 
 def compare(results: Mapping[str, Answer]) -> Picture:
@@ -147,6 +159,16 @@ def _any(draw: Callable[[Axes, Answer, str], None], name: str) -> Panel:
     return lambda axes, result: draw(axes, result, name)
 
 
+def _alone(result: Answer, panel: Panel) -> Picture:
+    """Plot one panel as a figure of its own."""
+    figure = picture(8.0, 3.6, result.scenario.title)
+    axes = figure.subplots()
+    panel(axes, result)
+    panels.shade(axes, result)
+    axes.set_xlabel("time [s]")
+    return figure
+
+
 def _torques(axes: Axes, result: Answer, kind: str) -> None:
     """Draw all torques of a kind in one panel, with the family's marks."""
     panels.torque(axes, result, kind)
@@ -175,6 +197,14 @@ def _searched(result: Answer) -> list[tuple[int, Phase]]:
     """Number and record of the phases that were solved from several starts, or of all phases."""
     numbered = list(enumerate(result.phases, start=1))
     return [(k, phase) for k, phase in numbered if len(phase.starts.status) > 1] or numbered
+
+
+def _all_starts(result: Answer) -> Picture:
+    count = len(_searched(result))
+    rows, columns = -(-count // _ABREAST), min(count, _ABREAST)
+    figure = picture(5.5 * columns, 4.0 * rows, result.scenario.title)
+    _starts(list(figure.subplots(rows, columns, squeeze=False).flat), result)
+    return figure
 
 
 def _starts(places: list[Axes], result: Answer) -> None:

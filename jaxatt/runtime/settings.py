@@ -39,7 +39,7 @@ RUNS_ONCE = _unless_set({"xla_backend_optimization_level": 0, "xla_cpu_use_fusio
 """Compiler options for what takes longer to compile than to run."""
 
 
-def configure(*, cache: str | Path | None = None) -> None:
+def configure(*, cache: str | Path | None = None, keep: bool = True) -> None:
     """Set double precision, all cores, XLA's options for small loops and, if asked, a compile
     cache.
 
@@ -47,7 +47,7 @@ def configure(*, cache: str | Path | None = None) -> None:
     environment variable XLA_FLAGS already sets stay as they are.
 
     cache : folder in which compiled programs are kept for the next process; the environment
-    variable JAX_COMPILATION_CACHE_DIR does the same.
+    variable JAX_COMPILATION_CACHE_DIR does the same.  keep : False to keep none all the same.
     """
     flags = os.environ.get("XLA_FLAGS", "")
     added = (f"{flag}={value}" for flag, value in _FLAGS.items() if f"{flag}=" not in flags)
@@ -55,9 +55,11 @@ def configure(*, cache: str | Path | None = None) -> None:
     jax.config.update("jax_enable_x64", True)  # type: ignore[no-untyped-call]
     # Programs run in the thread that calls them, so that chunks of starts run one a core.
     jax.config.update("jax_cpu_enable_async_dispatch", False)  # type: ignore[no-untyped-call]
-    if cache is not None:
+    if not keep:
+        jax.config.update("jax_compilation_cache_dir", None)  # type: ignore[no-untyped-call]
+    elif cache is not None:
         jax.config.update("jax_compilation_cache_dir", str(cache))  # type: ignore[no-untyped-call]
-        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.2)  # type: ignore[no-untyped-call]
+        jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)  # type: ignore[no-untyped-call]
 
 
 def check_precision() -> None:

@@ -123,14 +123,14 @@ def test_the_figure_bears_costs_of_any_kind(make, costs):
         TRIED, cost=min(costs), costs=np.array(costs), reached=np.zeros(3, bool)
     )
     result = make(final_times=record, active=np.zeros(50, bool))
-    figure = plots.figures(result)["final_times"]
+    figure = plots.figures(result)["final_times"]()
     figure.canvas.draw()
     assert len(figure.get_axes()) == 2
 
 
 def test_the_figure_marks_the_answer(make, timed):
     assert "final_times" not in plots.figures(make())
-    axes = plots.figures(timed)["final_times"].get_axes()
+    axes = plots.figures(timed)["final_times"]().get_axes()
     assert len(axes) == 4
     stars = [a.collections[-1].get_offsets() for a in axes]
     assert (64.0, 9.4) in [tuple(star[0]) for star in stars]

@@ -46,12 +46,12 @@ def test_forbidden_and_priced_windows_differ(make):
     forbidden = np.zeros(50, bool)
     forbidden[30:40] = True
     result = make(forbidden=forbidden)
-    axes = plots.figures(result)["euler_angles"].get_axes()[0]
+    axes = plots.figures(result)["euler_angles"]().get_axes()[0]
     assert {"window (not priced here)", "torque forbidden"} <= set(legend(axes))
 
 
 def test_the_waypoint_is_marked(make):
-    axes = plots.figures(make("hypso1-path"))["euler_angles"].get_axes()[0]
+    axes = plots.figures(make("hypso1-path"))["euler_angles"]().get_axes()[0]
     assert "waypoint" in legend(axes)
 
 

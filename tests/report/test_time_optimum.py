@@ -104,7 +104,7 @@ def test_the_table_says_time_switches_and_the_transcriptions_error(turn):
 def test_figures_show_mrp_and_dotted_switches(turn, tmp_path):
     names = {path.stem for path in plots.save_figures(turn, tmp_path)}
     assert {"overview", "mrp", "euler_angles", "torque_wheels", "wheel_speeds", "starts"} <= names
-    figure = plots.figures(turn)["torque_wheels"]
+    figure = plots.figures(turn)["torque_wheels"]()
     dotted = [
         [line.get_xdata()[0] for line in axes.get_lines() if line.get_linestyle() == ":"]
         for axes in figure.get_axes()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -65,13 +66,17 @@ def valves(axes: Axes, answer: Answer) -> None:
     axes.set_ylabel("open valves")
 
 
-def figures(answer: Answer) -> dict[str, Picture]:
+def figures(answer: Answer) -> dict[str, Callable[[], Picture]]:
     """Figure of cost and active intervals against the final times that were tried, if any."""
     if all(sparse_section(phase).final_times is None for phase in answer.phases):
         return {}
+    return {"final_times": partial(_final_times, answer)}
+
+
+def _final_times(answer: Answer) -> Picture:
     phases = len(answer.phases)
     figure = picture(5.5 * phases, 5.5, answer.scenario.title)
     grid = figure.subplots(2, phases, sharex="col", squeeze=False)
     for index, phase in enumerate(answer.phases):
         final_times_panels(list(grid[:, index]), phase)
-    return {"final_times": figure}
+    return figure

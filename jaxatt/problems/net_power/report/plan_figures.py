@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,10 +27,10 @@ def overview(answer: Answer) -> Picture | None:
     return timeline_figure(course_of(answer), title, limit)
 
 
-def figures(answer: Answer) -> Mapping[str, Picture]:
+def figures(answer: Answer) -> Mapping[str, Callable[[], Picture]]:
     """Ground track of a plan whose orbit has an epoch."""
     orbit = answer.scenario.orbit
     if not is_plan(answer) or orbit is None or orbit.days is None:
         return {}
     flown = answer.scenario.options.satellite.orbit
-    return {"ground_track": ground_track(course_of(answer), flown, answer.scenario.title)}
+    return {"ground_track": lambda: ground_track(course_of(answer), flown, answer.scenario.title)}

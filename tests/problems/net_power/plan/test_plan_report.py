@@ -100,12 +100,12 @@ def test_the_timeline_has_what_an_operator_asks_for(plan):
 
 
 def test_the_map_shows_every_place_once_and_as_much_of_the_world_as_is_needed(plan):
-    (world,) = (figure.axes[0] for figure in figures(plan).values())
+    (world,) = (figure().axes[0] for figure in figures(plan).values())
     sites = {task.site for task in course_of(plan).tasks if task.site is not None}
     assert len(world.texts) == len(sites) == 7
     assert (*world.get_xlim(), *world.get_ylim()) == WORLD
     short = handmade_plan(scenarios.from_mapping(short_plan()))
-    part = figures(short)["ground_track"].axes[0]
+    part = figures(short)["ground_track"]().axes[0]
     (west, east), (south, north) = part.get_xlim(), part.get_ylim()
     assert east - west == pytest.approx(2.0 * (north - south)) and east - west < 120.0
     for name, latitude, longitude in (("Finnmark", 70.5, 26.0), ("Svalbard", 78.23, 15.39)):
