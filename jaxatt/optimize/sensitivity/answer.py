@@ -15,7 +15,7 @@ from jax import Array
 from jax.flatten_util import ravel_pytree
 
 from jaxatt.optimize.sensitivity.conditions import Condensed, Conditions
-from jaxatt.optimize.sensitivity.implicit import newton, point_along
+from jaxatt.optimize.sensitivity.implicit import newton
 from jaxatt.optimize.sensitivity.regularity import Degeneracy, Flag, Holding, flags_of
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.settings import QUICK_TO_COMPILE, RUNS_ONCE
@@ -84,7 +84,8 @@ def _moves(
     rest = conditions.zero(point)
 
     def one(along: Any) -> Moves:
-        step, tangent = point_along(conditions, system, point, args, active, along)
+        step = conditions.solve(system, active, conditions.pull(point, args, active, along))
+        tangent = jax.jvp(lambda s: conditions.moved(point, s), (rest,), (step,))[1]
 
         def worth(args: Any) -> Array:
             return conditions.lagrangian(point, rest, args, active)

@@ -104,3 +104,8 @@ class Conditions(ABC):
     def gradient(self, point: Any, args: Any, active: Any) -> Any:
         """Gradient of L, which vanishes at an answer; differentiable."""
         return jax.grad(lambda step: self.lagrangian(point, step, args, active))(self.zero(point))
+
+    def pull(self, point: Any, args: Any, active: Any, along: Any) -> Any:
+        """KKT matrix times the step of the answer along a tangent of `args`."""
+        change = jax.jvp(lambda args: self.gradient(point, args, active), (args,), (along,))[1]
+        return jax.tree.map(jnp.negative, change)

@@ -123,12 +123,7 @@ def step_along(
     conditions: Conditions, system: Any, point: Any, args: Any, active: Any, along: Any
 ) -> Any:
     """Step by which an answer moves when its parameters move along a tangent of `args`."""
-
-    def at(args: Any) -> Any:
-        return conditions.gradient(point, args, active)
-
-    change = jax.jvp(at, (args,), (along,))[1]
-    right = jax.tree.map(jnp.negative, change)
+    right = conditions.pull(point, args, active, along)
     return step_of(conditions, system, point, args, active, right)
 
 

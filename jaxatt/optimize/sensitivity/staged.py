@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import jax
@@ -15,6 +15,7 @@ from jaxatt.optimize.interior_point.step import times
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.sensitivity.condensing import condensed
 from jaxatt.optimize.sensitivity.conditions import Condensed, Conditions
+from jaxatt.optimize.sensitivity.curvature import differenced
 from jaxatt.optimize.sensitivity.dense import held_by
 from jaxatt.optimize.sensitivity.recursion import StageResiduals, staged_step
 
@@ -213,4 +214,75 @@ class LinearisedConditions(StagedConditions):
     runs_once = True
 
     def gradient(self, point: StagedPoint, args: Any, active: Bounded) -> StagedPoint:
-        return self.residual(self.system(point, args), point, active)
+        straight = LinearisedConditions(_without_curvature(self.program))
+        return self.residual(straight.system(point, args), point, active)
+
+
+def _without_curvature(program: OptimalControlProgram) -> OptimalControlProgram:
+    """The same to first order, so that nothing is traced on which the gradient does not depend."""
+
+    def none(x: Array, u: Array, *_: Any) -> Array:
+        size = program.error_size + u.shape[0]
+        return jnp.zeros((size, size), u.dtype)
+
+    return replace(program, lagrangian_hessian=none, path_hessian=none)
+
+
+@dataclass(frozen=True)
+class SteppedConditions(LinearisedConditions):
+    """The same for a programme whose linearisation is found by differentiating its steps.
+
+    To differentiate it once more by the parameters takes a compiler minutes.  So what the stages
+    change by along a tangent is found first, and its derivatives by states and controls are central
+    differences, right to nine digits.
+    """
+
+    def pull(self, point: StagedPoint, args: Any, active: Bounded, along: Any) -> StagedPoint:
+        program, n, free = self.program, self.program.error_size, self.program.free_start
+        dual, size = point.limits, point.u.shape[1]
+        following = point.x
+
+        def stages(z: Array, args: Any) -> tuple[Array, tuple[Array, Array]]:
+            """What all stages add to L, (N,), and gaps and equalities, all at an error z."""
+
+            def of(
+                x: Array, u: Array, ahead: Array, costate: Array, held: Array, path: Array, at: Any
+            ) -> tuple[Array, tuple[Array, Array]]:
+                x, u = program.retract(x, z[:n]), u + z[n:]
+                end, cost = program.next_and_cost(x, u, at, args)
+                gap, missed = program.difference(end, ahead), program.equalities(x, u, at, args)
+                left = jnp.sum(path * program.inequalities(x, u, at, args))
+                total = cost + jnp.sum(costate * gap) + jnp.sum(held * missed) - left
+                return total, (gap, missed)
+
+            x = self._states(point, args)[:-1]
+            own = (x, point.u, following, point.costates, point.equality, dual.path)
+            return jax.vmap(of)(*own, program.stages(args))
+
+        def changed(z: Array) -> tuple[Array, tuple[Array, Array]]:
+            return jax.jvp(lambda args: stages(z, args), (args,), (along,))[1]
+
+        by = differenced(lambda z: changed(z)[0], n + size)
+        gap, missed = changed(jnp.zeros(n + size))[1]
+
+        def ended(args: Any) -> tuple[Array, Array, Bounded]:
+            def last(error: Array) -> Array:
+                x = program.retract(following[-1], error)
+                hard, soft = program.final_equalities(x, args), program.final_inequalities(x, args)
+                total = jnp.sum(point.rows * hard) - jnp.sum(dual.final * soft)
+                return total + program.final_cost(x, args)
+
+            hard = program.final_equalities(following[-1], args)
+            return jax.grad(last)(jnp.zeros(n)), hard, self.margins(point, args)
+
+        at_end, hard, margins = jax.jvp(ended, (args,), (along,))[1]
+        change = StagedPoint(
+            by[0, n - free : n],
+            jnp.concatenate([by[1:, :n], at_end[None]]),
+            by[:, n:],
+            gap,
+            missed,
+            hard,
+            jax.tree.map(lambda a, m: jnp.where(a, -m, 0.0), active, margins),
+        )
+        return jax.tree.map(jnp.negative, change)

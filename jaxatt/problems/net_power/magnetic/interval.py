@@ -13,7 +13,8 @@ transformed adjoint system".
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple, TypeVar
 
 import jax
 import jax.numpy as jnp
@@ -24,10 +25,12 @@ from jax import Array, lax
 from jaxatt.attitude.components import Quaternion, Vector
 from jaxatt.optimize.transcription.runge_kutta import Interval
 from jaxatt.problems.net_power.magnetic.blocks import along_rows, on_rows, transposed
-from jaxatt.problems.net_power.magnetic.motion import Here, here, rates
+from jaxatt.problems.net_power.magnetic.motion import Here, Now, here, now, rates
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
 from jaxatt.problems.net_power.magnetic.slopes import bends, lost_power_bend, slopes
 from jaxatt.runtime.arrays import Flags, Floats
+
+Seen = TypeVar("Seen", Now, Here)
 
 MOVING, WIDTH = 6, 10
 """Coordinates that move; directions: turn, rate, log of the time, dipole."""
@@ -75,14 +78,22 @@ class MagneticInterval:
         self.form = form
 
     def _along(
-        self, x: Array, interval: Interval, p: MagneticParameters, steps: int
-    ) -> tuple[Here, Array, Array]:
+        self,
+        look: Callable[[Array, Quaternion, MagneticParameters, MagneticForm], Seen],
+        x: Array,
+        interval: Interval,
+        p: MagneticParameters,
+        steps: int,
+    ) -> tuple[Seen, Array, Array]:
         """Environment at the points (P,), the final time in units of `p.unit`, and the interval's
-        share of it."""
+        share of it.
+
+        look : `now` or `here`.
+        """
         final = jnp.exp(x[-1]) / p.unit
         instants = interval.time + interval.length * jnp.arange(2 * steps + 1) / (2 * steps)
         q0 = Quaternion.of(x[:4]).normalized()
-        seen = jax.vmap(lambda when: here(when * final * p.unit, q0, p, self.form))(instants)
+        seen = jax.vmap(lambda when: look(when * final * p.unit, q0, p, self.form))(instants)
         index = _points(steps).instant
         return jax.tree.map(lambda leaf: leaf[index], seen), final, interval.length
 
@@ -91,12 +102,12 @@ class MagneticInterval:
     ) -> tuple[Array, Array]:
         """Turn and rate at the end, (6,), and cost, ()."""
         steps = self.form.substeps * finer
-        seen, final, length = self._along(x, interval, p, steps)
+        seen, final, length = self._along(now, x, interval, p, steps)
         v = Vector(u[0], u[1], u[2])
         begin = jnp.concatenate([jnp.zeros(3, x.dtype), x[4:7], jnp.zeros(1, x.dtype)])
 
         def point(
-            carry: tuple[Array, Array, Array], inputs: tuple[Point, Here]
+            carry: tuple[Array, Array, Array], inputs: tuple[Point, Now]
         ) -> tuple[tuple[Array, Array, Array], None]:
             base, total, rate = carry
             row, at = inputs
@@ -115,7 +126,7 @@ class MagneticInterval:
 
     def expand(self, x: Array, u: Array, interval: Interval, p: MagneticParameters) -> Expansion:
         """Compute the first derivatives of an interval."""
-        seen, final, length = self._along(x, interval, p, self.form.substeps)
+        seen, final, length = self._along(here, x, interval, p, self.form.substeps)
         v = Vector(u[0], u[1], u[2])
         dtype = x.dtype
         unit = jnp.eye(WIDTH, dtype=dtype)
@@ -174,7 +185,7 @@ class MagneticInterval:
         p: MagneticParameters,
     ) -> Array:
         """Second derivatives (10, 10) of cost + costate (6,) . end."""
-        seen, final, length = self._along(x, interval, p, self.form.substeps)
+        seen, final, length = self._along(here, x, interval, p, self.form.substeps)
         v = Vector(u[0], u[1], u[2])
         unit = jnp.eye(WIDTH, dtype=x.dtype)
         rows = _points(self.form.substeps)
@@ -252,7 +263,7 @@ class MagneticInterval:
         Where the panels earn less than they could it is that of a cost which their best power
         bounds, so it is positive semidefinite, see `lost_power_bend`.
         """
-        seen, final, length = self._along(x, interval, p, self.form.substeps)
+        seen, final, length = self._along(here, x, interval, p, self.form.substeps)
         rows = _points(self.form.substeps)
         scale = p.scale * (1.0 if self.form.mean_power else final * p.unit)
         unit = jnp.eye(WIDTH, dtype=x.dtype)

@@ -22,84 +22,109 @@ from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, Magnetic
 from jaxatt.spacecraft.panels import collecting_area
 
 
-class Here(NamedTuple):
+class Now(NamedTuple):
     """Environment of a point, vectors in the body axes that the attitude q0 has.
 
-    With derivatives along the logarithm of the final time: field [T] and light with two, the sun
-    (a unit vector) with one.  For the gravity gradient down and gradient [1/s^2].
+    field : [T].  light : share of the sun's.  sun : unit vector.  For the gravity gradient down and
+    gradient [1/s^2].
     """
 
     field: Vector
-    field_slope: Vector
-    field_bend: Vector
     light: Scalar
-    light_slope: Scalar
-    light_bend: Scalar
     sun: Vector
-    sun_slope: Vector
     down: Vector | None
     gradient: Scalar | None
 
-    def seen(self, turn: Quaternion) -> Here:
+    def seen(self, turn: Quaternion) -> Now:
         """The same in the axes that the body has after a turn from q0."""
         return self._replace(
             field=turn.rotate_inverse(self.field),
-            field_slope=turn.rotate_inverse(self.field_slope),
-            field_bend=turn.rotate_inverse(self.field_bend),
             sun=turn.rotate_inverse(self.sun),
-            sun_slope=turn.rotate_inverse(self.sun_slope),
             down=None if self.down is None else turn.rotate_inverse(self.down),
         )
 
 
-def here(time: Array, q0: Quaternion, p: MagneticParameters, form: MagneticForm) -> Here:
+class Here(NamedTuple):
+    """Environment of a point with derivatives along the logarithm of the final time.
+
+    Field and light have two, the sun has one.
+    """
+
+    now: Now
+    field_slope: Vector
+    field_bend: Vector
+    light_slope: Scalar
+    light_bend: Scalar
+    sun_slope: Vector
+
+    def seen(self, turn: Quaternion) -> Here:
+        """The same in the axes that the body has after a turn from q0."""
+        return self._replace(
+            now=self.now.seen(turn),
+            field_slope=turn.rotate_inverse(self.field_slope),
+            field_bend=turn.rotate_inverse(self.field_bend),
+            sun_slope=turn.rotate_inverse(self.sun_slope),
+        )
+
+
+def now(time: Array, q0: Quaternion, p: MagneticParameters, form: MagneticForm) -> Now:
     """Environment at a time () [s] after the start, in the body axes that q0 has."""
-    lit, slope, bend = p.environment.lit.to_second_order(p.begin + time)
-    first, second = time * slope, time * slope + time**2 * bend
+    lit = p.environment.lit.at(p.begin + time)
     down, gradient = None, None
     if form.gravity_gradient:
         moment = p.environment.at(p.begin + time)
         down = q0.rotate_inverse(moment.position * (-1.0 / moment.position.norm()))
         gradient = moment.gradient
-    orders = (lit, first, second)
-    sun, sun_slope, _ = (q0.rotate_inverse(Vector(*order[0:3])) for order in orders)
-    field, field_slope, field_bend = (q0.rotate_inverse(Vector(*order[6:9])) for order in orders)
-    light, light_slope, light_bend = _light(lit[3:6], first[3:6], second[3:6], p)
-    return Here(
-        field=field,
-        field_slope=field_slope,
-        field_bend=field_bend,
-        light=light,
-        light_slope=light_slope,
-        light_bend=light_bend,
-        sun=sun,
-        sun_slope=sun_slope,
+    return Now(
+        field=q0.rotate_inverse(Vector(*lit[6:9])),
+        light=_light(lit[3:6], p),
+        sun=q0.rotate_inverse(Vector(*lit[0:3])),
         down=down,
         gradient=gradient,
     )
 
 
-def _light(
-    disks: Array, slope: Array, bend: Array, p: MagneticParameters
-) -> tuple[Array, Array, Array]:
-    """Share of the sun's light with two derivatives; those of the disks (3,) are given."""
-    now = jnp.zeros_like(disks[0])
+def here(time: Array, q0: Quaternion, p: MagneticParameters, form: MagneticForm) -> Here:
+    """The same with derivatives."""
+    disks, slope, bend = p.environment.lit.to_second_order(p.begin + time)
+    first, second = time * slope, time * slope + time**2 * bend
+    sun_slope, field_slope = Vector(*first[0:3]), Vector(*first[6:9])
+    light_slope, light_bend = _light_slopes(disks[3:6], first[3:6], second[3:6], p)
+    return Here(
+        now=now(time, q0, p, form),
+        field_slope=q0.rotate_inverse(field_slope),
+        field_bend=q0.rotate_inverse(Vector(*second[6:9])),
+        light_slope=light_slope,
+        light_bend=light_bend,
+        sun_slope=q0.rotate_inverse(sun_slope),
+    )
+
+
+def _light(disks: Array, p: MagneticParameters) -> Array:
+    """Share of the sun's light; the disks are (3,)."""
     if p.shadow is None:
-        return now + 1.0, now, now
-    shadow = p.shadow
-
-    def later(by: Array) -> Array:
-        moved = disks + by * (slope + 0.5 * by * bend)
-        return gradual_share(shadow, Disks(moved[0], moved[1], moved[2]), p.shadow_width)
-
-    def sloped(by: Array) -> tuple[Array, Array]:
-        return jax.jvp(later, (by,), (jnp.ones_like(by),))
-
-    (value, rate), (_, change) = jax.jvp(sloped, (now,), (jnp.ones_like(now),))
-    return value, rate, change
+        return jnp.ones_like(disks[0])
+    return gradual_share(p.shadow, Disks(disks[0], disks[1], disks[2]), p.shadow_width)
 
 
-def other_torques(omega: Vector, seen: Here, p: MagneticParameters) -> Vector:
+def _light_slopes(
+    disks: Array, slope: Array, bend: Array, p: MagneticParameters
+) -> tuple[Array, Array]:
+    """Two derivatives of the light; those of the disks (3,) are given."""
+    still = jnp.zeros_like(disks[0])
+    if p.shadow is None:
+        return still, still
+
+    def rate(by: Array) -> Array:
+        def later(by: Array) -> Array:
+            return _light(disks + by * (slope + 0.5 * by * bend), p)
+
+        return jax.jvp(later, (by,), (jnp.ones_like(by),))[1]
+
+    return jax.jvp(rate, (still,), (jnp.ones_like(still),))
+
+
+def other_torques(omega: Vector, seen: Now, p: MagneticParameters) -> Vector:
     """Torques [kg m^2 per unit of time squared] but those of the dipoles."""
     along = Along(
         down=seen.down,
@@ -114,7 +139,7 @@ def other_torques(omega: Vector, seen: Here, p: MagneticParameters) -> Vector:
 
 
 def rates(
-    e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters
+    e: Vector, omega: Vector, v: Vector, at: Now, p: MagneticParameters
 ) -> tuple[Vector, Vector, Array]:
     """Derivatives of e and omega_ib by the time in units, and net power [W].
 

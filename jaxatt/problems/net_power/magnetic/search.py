@@ -30,8 +30,8 @@ _ROUGH = InteriorSettings(
     tolerance=1e-6, barrier=1e-2, max_iterations=80, shifts=SMALL_SHIFTS, crossover_from=0.0
 )
 _EXACT = replace(_ROUGH, barrier=1e-3, max_iterations=150)
-_AGAIN = replace(_ROUGH, barrier=1e-5, max_iterations=100)
-_WIDTHS = (0.004, 0.001)
+AGAIN = replace(_ROUGH, barrier=1e-5, max_iterations=100)
+WIDTHS = (0.004, 0.001)
 """[rad] Of the shadow's edges when answers are solved again."""
 _ROUNDS = 4
 _KEPT = 4
@@ -96,7 +96,7 @@ def search_front(
     first, substeps = len(found.final_time), task.form(True).substeps
     best = _least(task, found, weights)
     for turn in range(_ROUNDS):
-        width = _WIDTHS[min(turn, len(_WIDTHS) - 1)]
+        width = WIDTHS[min(turn, len(WIDTHS) - 1)]
         chosen, weight = _chosen(task, found, weights)
         again = chosen.starts(weight)
         parameters = task.sharper(width)
@@ -104,7 +104,7 @@ def search_front(
             substeps *= 2
         form = task.form(True, substeps)
         progress = _progress(report, "solving the best again")
-        solution = solve(form, again, parameters, _AGAIN, progress)
+        solution = solve(form, again, parameters, AGAIN, progress)
         found = Answers.join([found, answers_of(form, again, solution, parameters, chosen)])
         better = _least(task, found, weights)
         if turn and (best - better <= _GAIN * np.abs(best)).all():

@@ -67,12 +67,12 @@ def slopes(e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters)
     dipole = v.times(limit) + Vector.of(p.residual) * p.unit**2
     other, by_small, by_rate, by_time = _others(omega, seen, p)
     momentum = inertia @ omega
-    torque = dipole.cross(seen.field) + other - omega.cross(momentum)
-    pull = total(crossed(dipole, skew(seen.field)), by_small)
+    torque = dipole.cross(seen.now.field) + other - omega.cross(momentum)
+    pull = total(crossed(dipole, skew(seen.now.field)), by_small)
     spin = total(skew(momentum), scaled(crossed(omega, inertia), -1.0), by_rate)
-    area, area_slope = jax.value_and_grad(_area)(seen.sun, p)
-    shone = p.irradiance * seen.light
-    by_dipole = skew(-seen.field)
+    area, area_slope = jax.value_and_grad(_area)(seen.now.sun, p)
+    shone = p.irradiance * seen.now.light
+    by_dipole = skew(-seen.now.field)
     columns = tuple(row.times(limit) for row in by_dipole.rows)
     return Slopes(
         turning=here.rate @ omega,
@@ -84,7 +84,7 @@ def slopes(e: Vector, omega: Vector, v: Vector, at: Here, p: MagneticParameters)
         spinning_by_rate=times(inverse, spin),
         spinning_by_dipole=times(inverse, Matrix((columns[0], columns[1], columns[2]))),
         spinning_by_time=inverse @ (dipole.cross(seen.field_slope) + by_time),
-        power_by_turn=transposed(here.small) @ (shone * area_slope.cross(seen.sun)),
+        power_by_turn=transposed(here.small) @ (shone * area_slope.cross(seen.now.sun)),
         power_by_dipole=-2.0 * v.times(share),
         power_by_time=p.irradiance * seen.light_slope * area
         + shone * area_slope.dot(seen.sun_slope),
@@ -107,15 +107,15 @@ def _others(
     zero = 0.0 * omega.x
 
     def torque(turned: Vector, omega: Vector, later: Scalar) -> Vector:
-        after = seen._replace(
-            field=seen.field + seen.field.cross(turned) + later * seen.field_slope,
-            sun=seen.sun + seen.sun.cross(turned),
-            down=None if seen.down is None else seen.down + seen.down.cross(turned),
+        after = seen.now._replace(
+            field=seen.now.field + seen.now.field.cross(turned) + later * seen.field_slope,
+            sun=seen.now.sun + seen.now.sun.cross(turned),
+            down=None if seen.now.down is None else seen.now.down + seen.now.down.cross(turned),
         )
         return other_torques(omega, after, p)
 
     still = Vector(zero, zero, zero)
-    if seen.down is None and not p.others_act:
+    if seen.now.down is None and not p.others_act:
         nothing = Matrix((still, still, still))
         return still, nothing, nothing, still
     value = torque(still, omega, zero)
@@ -162,10 +162,10 @@ def bends(
     inertia, inverse = Matrix.of(p.inertia), Matrix.of(p.inverse)
     limit, share = Vector.of(p.dipole_unit) * p.unit**2, Vector.of(p.dipole_power)
     here, seen = found.turn, found.seen
-    field, sun = seen.field, seen.sun
+    field, sun = seen.now.field, seen.now.sun
     force = transposed(inverse) @ b
     felt = force.cross(found.dipole)
-    shone = c * p.irradiance * seen.light
+    shone = c * p.irradiance * seen.now.light
     slope = found.area_slope
     curved = _area_bend(sun, p)
     lever = crossed(sun, times(curved, skew(sun)))
@@ -235,11 +235,11 @@ def lost_power_bend(e: Vector, at: Here, p: MagneticParameters) -> Matrix:
     squares.  Its curvature is taken as if s were linear in the turn.
     """
     here = turn(e)
-    sun = at.seen(here.attitude).sun
+    sun = at.now.seen(here.attitude).sun
     loss = total(
         identity(p.panels.incidence_exponent * p.best_area + 0.0 * sun.x),
         scaled(_area_bend(sun, p), -1.0),
     )
     moved = times(skew(sun), here.small)
-    shone = p.irradiance * at.light
+    shone = p.irradiance * at.now.light
     return scaled(times(transposed(moved), times(loss, moved)), shone)

@@ -15,18 +15,18 @@ from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.optimize.interior_point.model import Bounded
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.sensitivity.answer import answer_at
+from jaxatt.optimize.sensitivity.curvature import exact_hessian, exact_path_hessian
 from jaxatt.optimize.sensitivity.optimum import Optimum, Worth
 from jaxatt.optimize.sensitivity.staged import LinearisedConditions, StagedPoint
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.net_power.unknowns import check_unknowns
 from jaxatt.problems.net_power.wheels import coordinates as at
 from jaxatt.problems.net_power.wheels.batch import settings_for, solve_starts
-from jaxatt.problems.net_power.wheels.curvature import exact_hessian, exact_path_hessian
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.programme import terminal_cost, wheels_programme
 from jaxatt.problems.net_power.wheels.rolled_out import rolled_out
-from jaxatt.problems.net_power.wheels.rows import Rows
 from jaxatt.problems.net_power.wheels.task import EFFORT, WheelsTask, wheels_task
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
@@ -38,9 +38,6 @@ _TOLERANCE, _BARRIER, _PASSES = 1e-10, 1e-5, 200
 _EDGES = (1e-3, 2e-4)
 """Width of the shadow's edges, [rad] at least and [rad/s] of an interval, of some ten samples of
 the light: so that what shines moves smoothly with them."""
-_MOST_UNKNOWNS = 2000
-"""Controls of all intervals, up to which matrices of their number squared are handy."""
-
 ManoeuvreOf = Callable[[Scenario], Manoeuvre]
 
 
@@ -54,7 +51,7 @@ def sensitive_wheels(
     manoeuvre = manoeuvre_of(scenario)
     edges = _edges(manoeuvre)
     task = wheels_task(manoeuvre, solved.substeps, edges=edges)
-    check_size(scenario, task)
+    check_unknowns(scenario, len(task.held), task.form.controls)
     near, reference = _solved_again(task, solved.pick(np.array([best])), scenario.solver.starts)
     form = _moving(task.form)
 
@@ -74,17 +71,6 @@ def sensitive_wheels(
     optimum = Optimum(answer, _reader(form), worth=_counted(form))
     label = "cost" if form.end == "penalty" else "net energy"
     return SensitiveAnswer(optimum, arguments, label, "J", _notes(form, edges))
-
-
-def check_size(scenario: Scenario, task: WheelsTask) -> None:
-    """Refuse manoeuvres whose test of regularity would take too large matrices."""
-    unknowns, intervals = len(task.held) * task.form.controls, len(task.held)
-    if unknowns > _MOST_UNKNOWNS:
-        raise ScenarioError(
-            f"{scenario.name}: {intervals} intervals of {task.form.controls} unknowns each are "
-            f"{unknowns}, and sensitivities are for {_MOST_UNKNOWNS} at most; give at most "
-            f"{_MOST_UNKNOWNS // task.form.controls} intervals"
-        )
 
 
 def _edges(manoeuvre: Manoeuvre) -> float:
@@ -128,12 +114,12 @@ def _solved_again(task: WheelsTask, answer: Solved, starts: int) -> tuple[Staged
 @functools.cache
 def exact_programme(form: WheelsForm) -> OptimalControlProgram:
     """Programme with exact curvature, whose objective counts what is earned at the end, too."""
-    programme, rows = wheels_programme(form), Rows(form)
+    programme = wheels_programme(form)
     limited = programme.path_hessian is not None
     return replace(
         programme,
-        lagrangian_hessian=functools.partial(exact_hessian, rows),
-        path_hessian=functools.partial(exact_path_hessian, rows) if limited else None,
+        lagrangian_hessian=functools.partial(exact_hessian, programme),
+        path_hessian=functools.partial(exact_path_hessian, programme) if limited else None,
         terminal_cost=functools.partial(terminal_cost, form),
     )
 
