@@ -103,6 +103,33 @@ def test_slews_go_round_random_cones(seed):
     )
 
 
+def test_a_slew_goes_round_a_direction_that_moves():
+    _, _, crossing = unconstrained()
+    sight = crossing.v / np.linalg.norm(crossing.v, axis=-1, keepdims=True)
+    assert np.degrees(np.arccos(sight[0] @ sight[-1])) > 1.0
+
+    def angles(flight, boresight):
+        seen = np.array([attitude(flight, k) @ boresight for k in range(len(flight.q))])
+        ahead = flight.v / np.linalg.norm(flight.v, axis=-1, keepdims=True)
+        return np.arccos(np.clip((seen * ahead).sum(axis=-1), -1.0, 1.0))
+
+    for boresight in map(unit, np.random.default_rng(12).normal(size=(500, 3))):
+        off = angles(crossing, boresight)
+        half = 0.7 * min(off[0], off[-1])
+        if half > 0.3 and off.min() < 0.7 * half:
+            break
+    assert off.min() < 0.7 * half
+    cone = {"name": "camera", "boresight": list(boresight), "toward": "velocity"}
+    cone["half_angle_deg"] = float(np.rad2deg(half))
+    scenario = short(keep_out=[cone, *OUT_OF_THE_WAY])
+    result = jaxatt.solve(scenario)
+    assert result.reached, result.phases[0].failure_reason
+    nearest = angles(reflight.refly(scenario, result, PIECES)[0][1], boresight).min()
+    assert nearest >= half * (1 - 2e-6)
+    found = result.summary()["pointing"][0]
+    np.testing.assert_allclose(found["nearest_deg"], np.rad2deg(nearest), atol=0.02)
+
+
 def test_a_cone_that_does_not_bind_changes_nothing():
     _, plain, crossing = unconstrained()
     far = -attitude(crossing, 0) @ np.array([0.0, 0.0, 1.0])

@@ -1,16 +1,22 @@
 """Cones and rate limits as files give them, and every refusal with the place and the mend."""
 
+import copy
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from jaxatt import scenarios
 from jaxatt.environment.sun import sun_direction
+from jaxatt.problems.along_orbit import to_inertial
 from jaxatt.problems.hands_off.build import build_slew
+from jaxatt.problems.surroundings import motion_of
 from jaxatt.scenarios import ScenarioError
 
 NAME = "hypso1-90-45-15-keep-out"
 CONE = {"name": "camera", "boresight": [0.0, 0.0, 2.0], "half_angle_deg": 20.0}
+PLACE = {"latitude_deg": 63.42, "longitude_deg": 10.39}
 UP, DOWN = [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]
 
 
@@ -40,11 +46,13 @@ def test_cones_of_a_file():
         **{"limits.body_rate_deg_s": [3.0, 4.0, 5.0]},
     )
     out, inner = case.pointing.cones
-    assert (out.kind, out.frame) == ("keep-out", "orbit")
-    assert (inner.kind, inner.frame) == ("keep-in", "orbit")
+    assert (out.kind, inner.kind) == ("keep-out", "keep-in")
     np.testing.assert_allclose(out.boresight, [0, 0, 1])
     np.testing.assert_allclose(inner.boresight, [0.6, 0, 0.8])
-    np.testing.assert_allclose(inner.direction, DOWN)
+    seen = case.pointing.directions(np.array([0.0, 1000.0]))
+    np.testing.assert_allclose(seen[:, 0], -seen[:, 1], atol=1e-12)
+    here = motion_of(case.orbit).at(jnp.asarray([0.0, 1000.0])).position
+    np.testing.assert_allclose(seen[:, 1] * np.linalg.norm(here, axis=1)[:, None], -here)
     np.testing.assert_allclose(np.rad2deg([out.half_angle, inner.half_angle]), [20, 170])
     np.testing.assert_allclose(case.pointing.rate_limit, np.deg2rad([3, 4, 5]))
     one = changed(**{"limits.body_rate_deg_s": 2.0})
@@ -65,7 +73,7 @@ def test_directions_follow_the_orbit_and_the_sun():
     np.testing.assert_allclose(seen[:, 0], turned, atol=1e-12)
     # The equinox of 2026 is on 20 March: at the solstice the sun stands 23.44 deg north.
     np.testing.assert_allclose(np.rad2deg(np.arcsin(seen[0, 1, 2])), 23.44, atol=0.02)
-    days = task.pointing.days
+    days = scenarios.load(NAME).orbit.days
     np.testing.assert_allclose(seen[0, 1], sun_direction(np.asarray(days)), atol=1e-12)
     np.testing.assert_allclose(
         seen[:, 2], np.array([[1.0, 1.0, 0.0]]) / np.sqrt(2) + 0 * seen[:, 2]
@@ -81,9 +89,12 @@ def test_directions_follow_the_orbit_and_the_sun():
         ({"boresight": [0.0, 0.0, 0.0]}, ["boresight", "is zero", "[0.0, 0.0, 1.0]"]),
         ({"boresight": [0.0, 1.0]}, ["boresight", "has 2 entries"]),
         ({"direction_orbit": [0, 0, 0]}, ["direction_orbit", "is zero"]),
-        ({"toward": "sun"}, ["given beside direction_orbit", "exactly one of"]),
+        ({"toward": "sun"}, ["given beside toward", "exactly one of"]),
         ({"direction_orbit": None}, ["no direction is given", "exactly one of"]),
-        ({"direction_orbit": None, "toward": "moon"}, ["moon", "allowed: sun, nadir"]),
+        (
+            {"direction_orbit": None, "toward": "moon"},
+            ["moon", "allowed: nadir, velocity, sun, field, site, satellite"],
+        ),
         ({"half_angle": 3.0}, ["half_angle", "did you mean 'half_angle_deg'?"]),
         ({"name": ""}, ["name", "must be a text"]),
     ],
@@ -116,6 +127,62 @@ def test_a_keep_out_cone_around_an_end_is_named(place):
     assert "deg from the direction" in message
 
 
+MOVING = [
+    {"toward": "nadir"},
+    {"toward": "velocity"},
+    {"toward": "sun"},
+    {"toward": "field"},
+    {"toward": "site", **PLACE},
+    {"toward": "satellite", "satellite": {"tle_file": "other.tle"}},
+    {"right_ascension_deg": 40.0, "declination_deg": -20.0},
+    {"direction_inertial": [1.0, 2.0, 3.0]},
+    {"direction_orbit": [1.0, 2.0, -3.0]},
+]
+
+
+def test_cones_and_attitudes_know_the_same_directions(tmp_path):
+    case = scenarios.load("hypso1-ground-site")
+    first, second = case.document["orbit"]["tle"]
+    ahead = element_line(second, 43, f"{float(second[43:51]) + 2.0:8.4f}")
+    (tmp_path / "other.tle").write_text(f"{first}\n{ahead}\n")
+    body, across = [0.0, 0.0, 1.0], {"body": [1.0, 0.0, 0.0], "direction_inertial": [0.1, 3.0, 1.0]}
+    for given in MOVING:
+        document = copy.deepcopy(dict(case.document))
+        document["target"].update(align={"body": body, **given}, constrain=across, rate="inertial")
+        document["keep_out"] = [
+            {"name": "needle", "boresight": [1.0, 0.3, 0.2], "half_angle_deg": 0.01, **given}
+        ]
+        found = scenarios.from_mapping(document, folder=tmp_path)
+        end = np.array([found.horizon.duration])
+        q_ib, _ = to_inertial(motion_of(found.orbit), end, found.targets[0].q_ob[None], np.zeros(3))
+        aimed = Rotation.from_quat(q_ib[0], scalar_first=True).apply(body)
+        np.testing.assert_allclose(found.pointing.directions(end)[0, 0], aimed, atol=1e-9)
+
+
+def element_line(line, column, text):
+    """A line of two-line elements with other characters from a column on, and its checksum."""
+    line = line[:column] + text + line[column + len(text) : 68]
+    digits = sum(int(c) if c.isdigit() else c == "-" for c in line)
+    return line + str(digits % 10)
+
+
+def test_a_family_without_an_orbit_refuses_directions_that_need_one():
+    for given in ({"toward": "sun"}, {"toward": "site", **PLACE}, {"direction_orbit": UP}):
+        message = refusal(name="mrp-k4-rk4", keep_out=[{**CONE, **given}])
+        assert "needs an orbit; kind = time-effort is solved without an orbit" in message
+        assert "right_ascension_deg" in message
+    star = {"right_ascension_deg": 0.0, "declination_deg": -90.0, "half_angle_deg": 1.0}
+    toward = changed(name="mrp-k4-rk4", keep_out=[{**CONE, **star}]).pointing
+    np.testing.assert_allclose(toward.directions(np.zeros(1))[0, 0], UP, atol=1e-12)
+
+
+def test_a_keep_in_cone_toward_a_place_out_of_sight_is_refused():
+    away = {**CONE, "toward": "site", **PLACE, "latitude_deg": -33.0}
+    message = refusal(name="hypso1-ground-site", keep_in=[away])
+    assert "the place -33, 10.39 deg is out of sight" in message and "[[keep_in]]" in message
+    changed(name="hypso1-ground-site", keep_out=[away])
+
+
 def test_a_keep_in_cone_that_leaves_out_an_end_is_named():
     message = refusal(keep_in=[{**CONE, "direction_orbit": DOWN}])
     assert '[[keep_in]] "camera" excludes the target' in message and "widen the cone" in message
@@ -138,7 +205,8 @@ def test_cones_that_exclude_each_other():
         {**CONE, "name": "antenna", "direction_orbit": UP, "half_angle_deg": 60.0},
     ]
     message = refusal(keep_in=both)
-    assert '"camera" and "antenna" exclude each other' in message and "180 deg" in message
+    assert '"camera" and "antenna" exclude each other 0 s after' in message
+    assert "180 deg" in message
 
 
 def test_names_and_tables():

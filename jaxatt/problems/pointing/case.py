@@ -9,9 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.attitude import quaternion
-from jaxatt.environment.epoch import SECONDS_PER_DAY
-from jaxatt.environment.sun import sun_direction
+from jaxatt.attitude.vectors import norm
+from jaxatt.environment.toward import Direction
 from jaxatt.problems.pointing.cones import KEEP_IN, KEEP_OUT, PointingLimits, PointingPath
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -19,7 +18,14 @@ from jaxatt.runtime.settings import RUNS_ONCE
 _WIDEST = 1e-9
 """[rad] A guarded half angle stays this far from 0 and pi."""
 
-_sun_direction = jax.jit(sun_direction, compiler_options=RUNS_ONCE)
+
+def _unit(direction: Direction, times: Array) -> Array:
+    """Unit vectors (T, 3) in inertial axes at times (T,) [s]."""
+    found = jax.vmap(direction.at)(times)
+    return found / norm(found)[:, None]
+
+
+_unit_vectors = jax.jit(_unit, compiler_options=RUNS_ONCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,17 +33,14 @@ class Cone:
     """A keep-out or keep-in cone.
 
     kind : "keep-out" or "keep-in".  boresight : (3,), unit vector in body axes.
-    half_angle : [rad], between 0 and pi.
-    frame : "inertial" or "orbit", the axes of `direction`, (3,), a unit vector; or "sun", whose
-        direction comes from the date.
+    half_angle : [rad], between 0 and pi.  direction : of its axis, in the course of time.
     """
 
     name: str
     kind: str
     boresight: Floats
     half_angle: float
-    frame: str
-    direction: Floats
+    direction: Direction
 
     @property
     def sense(self) -> float:
@@ -50,12 +53,10 @@ class Pointing:
     """All cones and rate limits of a case.
 
     rate_limit : (3,) [rad/s] on |omega_ib| by body axis; None without limits.
-    days : time zero, days since J2000; needed for cones about the sun.
     """
 
     cones: tuple[Cone, ...] = ()
     rate_limit: Floats | None = None
-    days: float | None = None
 
     def __bool__(self) -> bool:
         return bool(self.cones) or self.rate_limit is not None
@@ -66,22 +67,15 @@ class Pointing:
         rate = () if self.rate_limit is None else ("body rate",)
         return (*(cone.name for cone in self.cones), *rate)
 
-    def directions(self, times: Floats, orbit_attitude: Array | Floats) -> Floats:
-        """Directions (T, m, 3) of all cones in inertial axes.
+    def directions(self, times: Floats) -> Floats:
+        """Unit vectors (T, m, 3) to the middles of all cones, in inertial axes.
 
-        times : (T,) [s] after time zero.  orbit_attitude : (T, 4), q_io then.
+        times : (T,) [s] after time zero.
         """
         found = np.zeros((len(times), len(self.cones), 3))
-        for i, cone in enumerate(self.cones):
-            if cone.frame == "sun":
-                assert self.days is not None
-                days = jnp.asarray(self.days + np.asarray(times) / SECONDS_PER_DAY)
-                found[:, i] = _sun_direction(days)
-            elif cone.frame == "orbit":
-                fixed = np.broadcast_to(cone.direction, (len(times), 3))
-                found[:, i] = quaternion.rotate(orbit_attitude, fixed)
-            else:
-                found[:, i] = cone.direction
+        with jax.enable_x64(True):
+            for i, cone in enumerate(self.cones):
+                found[:, i] = _unit_vectors(cone.direction, jnp.asarray(times, float))
         return found
 
     def path(self, directions: Floats, constraint_margin: Floats) -> PointingPath:

@@ -2,7 +2,7 @@
 
 A keep-out cone holds a boresight away from a direction (a star tracker from the sun), a keep-in
 cone holds it near one (an antenna to its ground station).  Boresights are fixed in body axes;
-directions come from outside, fixed, along the orbit or to the sun.
+directions come from outside, at rest or in motion, as tables.
 """
 
 from __future__ import annotations

@@ -110,7 +110,7 @@ class PathMonitor:
     @functools.cached_property
     def directions(self) -> Floats:
         """Directions (T, m, 3) of the cones then, in inertial axes."""
-        return self.pointing.directions(self.start + self.elapsed, self.fine.nodes.orbit_attitude)
+        return self.pointing.directions(self.start + self.elapsed)
 
     def at_nodes(self, intervals: int) -> Floats:
         """Directions (intervals + 1, m, 3) at the first nodes."""

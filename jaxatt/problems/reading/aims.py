@@ -9,12 +9,10 @@ import numpy as np
 
 from jaxatt.attitude.host_turns import conjugate, product, to_body
 from jaxatt.environment import toward
-from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.problems.along_orbit import along_orbit, from_inertial
 from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import check_one_form, read_attitude
-from jaxatt.problems.reading.dates import moment_of
-from jaxatt.problems.reading.directions import Aim, Sky, read_aim
+from jaxatt.problems.reading.directions import Aim, Sky, check_sight, read_aim
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -30,7 +28,6 @@ _RATES = ("orbit", "inertial", "track")
 
 _pose = jax.jit(toward.pose, compiler_options=RUNS_ONCE)
 _apart = jax.jit(toward.apart, compiler_options=RUNS_ONCE)
-_elevation = jax.jit(toward.ToSite.elevation, compiler_options=RUNS_ONCE)
 
 
 def read_state(
@@ -107,27 +104,12 @@ def _aimed(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> tuple[
                 "roll to chance",
                 "constrain an axis toward something else",
             )
-        _check_sight(table, aims, sky, time)
+        for aim in aims:
+            check_sight(table, aim.key, (aim.direction, aim.words), sky, time)
         found = _pose(first.body, first.direction, second.body, second.direction, float(time))
         posed = (np.asarray(part)[None] for part in found)
     q, rate = from_inertial(motion, np.array([time]), *posed)
     return np.where(q[0, 0] < 0.0, -q[0], q[0]), rate[0]
-
-
-def _check_sight(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> None:
-    """Refuse a place on the ground that stands below the satellite's horizon."""
-    for aim in aims:
-        if not isinstance(aim.direction, toward.ToSite):
-            continue
-        angle = math.degrees(float(_elevation(aim.direction, float(time))))
-        if angle <= 0.0:
-            when = moment_of((sky.days or 0.0) + time / SECONDS_PER_DAY)
-            table.fail(
-                aim.key,
-                f"{aim.words} is out of sight: the satellite stands {angle:.2f} deg above its "
-                f"horizon at {when:%Y-%m-%dT%H:%M:%SZ}",
-                "move the manoeuvre in time, or check the place and the orbit",
-            )
 
 
 def _read_aims(

@@ -1,4 +1,4 @@
-"""Read the directions that body axes are pointed along."""
+"""Read the directions that body axes are pointed along, or kept away from."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from jaxatt.problems.reading.schema import DIRECTION_KEYS
 from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import motion_of
 from jaxatt.runtime.arrays import Floats
+from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.spacecraft.checks import Float64
 
 _WORDS = ("nadir", "velocity", "sun", "field", "site", "satellite")
@@ -33,6 +34,8 @@ _OWN_KEYS = {
 }
 """Keys that have a meaning with one kind of direction only."""
 
+_elevation = jax.jit(toward.ToSite.elevation, compiler_options=RUNS_ONCE)
+
 
 @dataclass(frozen=True, eq=False)
 class Sky:
@@ -41,6 +44,7 @@ class Sky:
     motion : along the orbit; None without one.  days : time zero, since J2000; None without a date.
     sun : (3,), a fixed sun in inertial axes; None for the true one.
     frame : "orbit" or "inertial".  folder : where files are looked up.
+    without_orbit : what to do where there is no orbit to tell a direction by.
     """
 
     frame: str = "inertial"
@@ -48,6 +52,7 @@ class Sky:
     days: float | None = None
     sun: Floats | None = None
     folder: Path | None = None
+    without_orbit: str = "add [orbit], or give direction_inertial"
 
 
 def sky_over(
@@ -87,12 +92,44 @@ def read_aim(whole: Table, key: str, notes: list[str], sky: Sky, last: float) ->
     key : of `whole` under which both stand.  Raises `ScenarioError`.
     """
     table = Table(whole.data[key], whole.origin, f"{whole.label} {key}", DIRECTION_KEYS)
-    body, given = table.direction("body"), table.one_of(_GIVEN)
+    body = table.direction("body")
+    return Aim(key, body, *read_direction(table, notes, sky, last))
+
+
+def read_direction(
+    table: Table, notes: list[str], sky: Sky, last: float
+) -> tuple[toward.Direction, str]:
+    """Read a direction for a motion of `last` [s], and what messages call it.
+
+    Raises `ScenarioError`.
+    """
+    given = table.one_of(_GIVEN)
     kind = table.choice("toward", _WORDS, "nadir") if given == "toward" else given
     _check_keys(table, kind)
     _check_known(table, kind, given, sky, last)
-    direction, words = _direction(table, kind, notes, sky, last)
-    return Aim(key, body, direction, words)
+    return _direction(table, kind, notes, sky, last)
+
+
+def check_sight(
+    table: Table, key: str, seen: tuple[toward.Direction, str], sky: Sky, time: float
+) -> None:
+    """Refuse a place on the ground from which the satellite is below the horizon at a time [s].
+
+    key : that messages name.  seen : the direction, and what messages call it.
+    """
+    direction, words = seen
+    if not isinstance(direction, toward.ToSite):
+        return
+    with jax.enable_x64(True):
+        angle = math.degrees(float(_elevation(direction, float(time))))
+    if angle <= 0.0:
+        when = moment_of(_days(sky) + time / SECONDS_PER_DAY)
+        table.fail(
+            key,
+            f"{words} is out of sight: the satellite stands {angle:.2f} deg above its "
+            f"horizon at {when:%Y-%m-%dT%H:%M:%SZ}",
+            "move the manoeuvre in time, or check the place and the orbit",
+        )
 
 
 def _direction(
@@ -162,9 +199,11 @@ def _check_keys(table: Table, kind: str) -> None:
 
 def _check_known(table: Table, kind: str, key: str, sky: Sky, last: float) -> None:
     """Refuse a direction that nobody knows without orbit, date or model."""
-    if kind in _NEEDS_ORBIT and sky.motion is None:
-        table.fail(key, "needs an orbit", "add [orbit], or give direction_inertial")
-    if kind not in _NEEDS_DATE or (kind == "sun" and sky.sun is not None):
+    dated = kind in _NEEDS_DATE and not (kind == "sun" and sky.sun is not None)
+    # Without an orbit only a flight has a date.
+    if sky.motion is None and (kind in _NEEDS_ORBIT or (dated and sky.days is None)):
+        table.fail(key, "needs an orbit", sky.without_orbit)
+    if not dated:
         return
     if sky.days is None:
         table.fail(key, "needs the date", 'add a line such as epoch = "2026-06-21T12:00:00Z"')

@@ -12,12 +12,16 @@ import numpy as np
 from jaxatt.attitude import quaternion
 from jaxatt.problems.pointing.case import Cone, Pointing
 from jaxatt.problems.pointing.cones import cone_angles
+from jaxatt.problems.reading.directions import Sky, check_sight, read_direction
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
 
-_DIRECTIONS = ("direction_inertial", "direction_orbit", "toward")
 _ROUNDING = 1e-9  # rad; a boresight on the cone itself is allowed
+
+
+_INSTANTS = 33
+"""Of a motion, at which keep-in cones are compared with each other."""
 
 
 class Moment(NamedTuple):
@@ -36,12 +40,18 @@ class Moment(NamedTuple):
 
 
 def read_pointing(
-    document: dict[str, Any], origin: str, orbit: bool, days: float | None, where: str = "[orbit]"
+    document: dict[str, Any],
+    origin: str,
+    notes: list[str],
+    sky: Sky,
+    first: float,
+    last: float,
 ) -> Pointing:
     """Read and check the cones and rate limits of a document.
 
-    orbit : whether there is one.  days : its epoch, days since J2000, or None.
-    where : the table that an epoch belongs into.
+    notes : what is to be said is added.  sky : what directions may be told by.
+    first, last : [s], the shortest and longest that the motion takes.
+    Raises `ScenarioError`.
     """
     cones: list[Cone] = []
     for key, kind in (("keep_out", "keep-out"), ("keep_in", "keep-in")):
@@ -53,39 +63,26 @@ def read_pointing(
         for index, data in enumerate(tables):
             label = f"[[{key}]] no. {index + 1}"
             table = Table(data, origin, label, SPACECRAFT_TABLES[key])
-            cone = _cone(table, kind, orbit, days, where)
+            cone = _cone(table, kind, notes, sky, first, last)
             if cone.name in (other.name for other in cones):
                 table.fail("name", "another cone has it", "give every cone a name of its own")
             cones.append(cone)
-    _check_together(cones, origin)
-    return Pointing(tuple(cones), _rate_limit(document.get("limits", {}), origin), days)
+    pointing = Pointing(tuple(cones), _rate_limit(document.get("limits", {}), origin))
+    _check_together(pointing, first, origin)
+    return pointing
 
 
-def _cone(table: Table, kind: str, orbit: bool, days: float | None, where: str) -> Cone:
+def _cone(table: Table, kind: str, notes: list[str], sky: Sky, first: float, last: float) -> Cone:
     name = table.text("name")
     half = table.number("half_angle_deg", above=0.0, example="30.0")
     if half >= 180.0:
         table.fail("half_angle_deg", "must be less than 180", "give half of the cone's opening")
     boresight = table.direction("boresight")
-    given = table.one_of(_DIRECTIONS)
-    frame, direction = "inertial", np.zeros(3)
-    if given == "direction_inertial":
-        direction = table.direction(given)
-    elif given == "direction_orbit":
-        frame, direction = "orbit", table.direction(given)
-    else:
-        toward = table.choice("toward", ("sun", "nadir"), "sun")
-        if not orbit:
-            table.fail("toward", "needs an orbit", "add [orbit], or give direction_inertial")
-        if toward == "sun" and days is None:
-            table.fail(
-                "toward",
-                "needs the date",
-                f'add a line such as epoch = "2026-06-21T12:00:00Z" under {where}',
-            )
-        frame = "sun" if toward == "sun" else "orbit"
-        direction = np.array([0.0, 0.0, 1.0])
-    return Cone(name, kind, boresight, math.radians(half), frame, direction)
+    direction, words = read_direction(table, notes, sky, last)
+    if kind == "keep-in":
+        for time in (0.0, first):
+            check_sight(table, "toward", (direction, words), sky, time)
+    return Cone(name, kind, boresight, math.radians(half), direction)
 
 
 def _rate_limit(data: Any, origin: str) -> Float64 | None:
@@ -102,24 +99,33 @@ def _rate_limit(data: Any, origin: str) -> Float64 | None:
     return np.deg2rad(limit)
 
 
-def _between(a: Float64, b: Float64) -> float:
-    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
+def _between(a: Float64, b: Float64) -> Float64:
+    """Angles (...) [rad] between vectors (..., 3)."""
+    across = np.linalg.norm(np.cross(a, b), axis=-1)
+    return np.asarray(np.arctan2(across, (a * b).sum(axis=-1)))
 
 
-def _check_together(cones: Sequence[Cone], origin: str) -> None:
-    """Check that two keep-in cones in the same axes leave some attitude that satisfies both."""
-    inner = [cone for cone in cones if cone.kind == "keep-in"]
+def _check_together(pointing: Pointing, last: float, origin: str) -> None:
+    """Check that two keep-in cones leave some attitude that satisfies both, all the time.
+
+    last : [s], of the shortest motion.
+    """
+    inner = [cone for cone in pointing.cones if cone.kind == "keep-in"]
+    if len(inner) < 2:
+        return
+    times = np.linspace(0.0, last, _INSTANTS)
+    directions = Pointing(tuple(inner)).directions(times)
     for i, first in enumerate(inner):
-        for second in inner[:i]:
-            if first.frame != second.frame:
-                continue
-            apart = _between(first.boresight, second.boresight)
-            wanted = _between(first.direction, second.direction)
-            if abs(apart - wanted) > first.half_angle + second.half_angle + _ROUNDING:
+        for j, second in enumerate(inner[:i]):
+            apart = float(_between(first.boresight, second.boresight))
+            wanted = _between(directions[:, i], directions[:, j])
+            k = int(np.argmax(np.abs(apart - wanted)))
+            if abs(apart - wanted[k]) > first.half_angle + second.half_angle + _ROUNDING:
                 raise ScenarioError(
-                    f'{origin}: [[keep_in]] "{second.name}" and "{first.name}" exclude each other: '
-                    f"their boresights are {math.degrees(apart):.4g} deg apart, their directions "
-                    f"{math.degrees(wanted):.4g} deg, and the half angles leave "
+                    f'{origin}: [[keep_in]] "{second.name}" and "{first.name}" exclude each other '
+                    f"{times[k]:.4g} s after the start: their boresights are "
+                    f"{math.degrees(apart):.4g} deg apart, their directions "
+                    f"{math.degrees(wanted[k]):.4g} deg, and the half angles leave "
                     f"{math.degrees(first.half_angle + second.half_angle):.4g} deg; widen one or "
                     "drop it"
                 )
@@ -129,8 +135,7 @@ def check_moments(pointing: Pointing, moments: Sequence[Moment], origin: str) ->
     """Raise a `ScenarioError` where a start, waypoint or target itself violates a limit."""
     if not pointing or not moments:
         return
-    times, q_io = (np.array([getattr(m, name) for m in moments]) for name in ("time", "q_io"))
-    directions = pointing.directions(times, q_io)
+    directions = pointing.directions(np.array([moment.time for moment in moments]))
     boresights = np.reshape([cone.boresight for cone in pointing.cones], (-1, 3))
     for moment, toward in zip(moments, directions, strict=True):
         q_ib = quaternion.multiply(moment.q_io, moment.q_ob)

@@ -17,8 +17,7 @@ ATTITUDE_KEYS = (
 
 AIM_KEYS = ("align", "constrain")
 """A body axis that points along a direction, and one that is turned towards another."""
-DIRECTION_KEYS = (
-    "body",
+TOWARD_KEYS = (
     "toward",
     "direction_inertial",
     "direction_orbit",
@@ -29,7 +28,8 @@ DIRECTION_KEYS = (
     "height_m",
     "satellite",
 )
-"""A body axis, and a direction in words, by components, or by angles."""
+"""A direction in words, by components, or by angles."""
+DIRECTION_KEYS = ("body", *TOWARD_KEYS)
 
 POSE_KEYS = (*ATTITUDE_KEYS, *AIM_KEYS)
 FILE_KEYS = ("aem_file", "at")
@@ -45,14 +45,7 @@ _HORIZON = (
     "longest_s",
 )
 _WINDOW = ("first_interval", "last_interval", "start_s", "end_s", "weight", "forbidden")
-_CONE = (
-    "name",
-    "boresight",
-    "half_angle_deg",
-    "direction_inertial",
-    "direction_orbit",
-    "toward",
-)
+_CONE = ("name", "boresight", "half_angle_deg", *TOWARD_KEYS)
 _SOLVER = ("starts", "seed")
 _TOP = ("name", "title", "source", "system")
 

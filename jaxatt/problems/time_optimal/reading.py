@@ -67,7 +67,11 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
     objective = _read_objective(document["objective"], origin, vehicle)
     _check_document(document, origin, notes)
     horizon = _read_horizon(document["horizon"], origin)
-    sky = Sky(folder=folder)
+    sky = Sky(
+        folder=folder,
+        without_orbit=f"kind = {objective.kind} is solved without an orbit, in the inertial frame: "
+        "give direction_inertial or right_ascension_deg",
+    )
     targets = manoeuvre.read_targets(document, origin, notes, sky, horizon)
     control = _read_control(document.get("control", {}), origin)
     initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes, sky)
@@ -86,7 +90,7 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
         origin=origin,
         folder=folder,
         transcription=_read_transcription(document.get("transcription", {}), origin),
-        pointing=read_pointing(document, origin, False, None),
+        pointing=read_pointing(document, origin, notes, sky, horizon.shortest, horizon.longest),
     )
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)

@@ -81,7 +81,6 @@ def _fly_on(
 
 _angle = jax.jit(errors.angle)
 _angles = jax.jit(cone_angles)
-_UPRIGHT = np.array([[1.0, 0.0, 0.0, 0.0]])
 
 
 class ReorientationTask:
@@ -106,7 +105,7 @@ class ReorientationTask:
         self.craft, self.initial_state, self.target = craft, initial_state, target
         self.intervals, self.goal = intervals, goal
         self.pointing = pointing
-        self.directions = pointing.directions(np.zeros(1), _UPRIGHT)[0]
+        self.directions = pointing.directions(np.zeros(1))[0]
         self.actuation, self.unit = actuation(craft), inertia_unit(craft)
         wheels = craft.wheels
         self.start = AttitudeState(

@@ -10,7 +10,6 @@ from jaxatt.problems.hands_off.reading.objective import PRINTED, check_free_time
 from jaxatt.problems.hands_off.reading.valves import check_thrusters
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.reading import manoeuvre, settings
-from jaxatt.problems.reading.dates import SUNLIGHT, check_epoch
 from jaxatt.problems.reading.directions import sky_over
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.heading import read_heading
@@ -68,7 +67,14 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
         )
     control = _read_control(document.get("control", {}), origin, vehicle)
     check_thrusters(document, origin, vehicle, horizon, objective)
-    days = orbit.days if orbit else None
+    pointing = read_pointing(
+        document,
+        origin,
+        notes,
+        sky,
+        (horizon.shortest if horizon.free else horizon.duration) * len(targets),
+        _length(horizon, len(targets)),
+    )
     scenario = Scenario(
         **vars(heading),
         family="hands-off",
@@ -86,12 +92,8 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
         document=document,
         origin=origin,
         folder=folder,
-        pointing=read_pointing(document, origin, orbit is not None, days),
+        pointing=pointing,
     )
-    if any(cone.frame == "sun" for cone in scenario.pointing.cones):
-        longest = horizon.longest if horizon.free else horizon.duration
-        dated = Table(document["orbit"], origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
-        check_epoch(dated, days, longest * len(targets), {SUNLIGHT: "a cone toward the sun"})
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario
