@@ -15,8 +15,8 @@ from jaxatt.environment.along_orbit import Nodes, OrbitTask, inertial_nodes, tab
 from jaxatt.environment.external import Along
 from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.surroundings import motion_of
-from jaxatt.scenarios.file_reference import followed
 from jaxatt.scenarios.flight_model import FlightScenario
+from jaxatt.scenarios.path_reference import followed
 from jaxatt.simulation.campaign import Start
 from jaxatt.simulation.closed_loop import Flight, Noise, Reference
 from jaxatt.simulation.settling import Band

@@ -59,7 +59,7 @@ def flight_from_mapping(
     sky = sky_over(orbit, folder, days=around.days, sun=around.sun)
     initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes, sky)
     asked = flight_tables.read_reference(
-        data.get("reference", {}), origin, initial, notes, sky, timing.duration
+        data.get("reference", {}), origin, initial, notes, sky, timing
     )
     signal, band, since = flight_tables.read_settling(data.get("settling", {}), origin, asked.since)
     dumping = None

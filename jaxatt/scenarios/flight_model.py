@@ -43,7 +43,8 @@ class Asked:
     q_ob : (4,).  omega_ob : (3,) [rad/s], in body axes; the attitude turns along with it.
     held : whether the attitude is to be held, or only the rate.
     manoeuvre : name or file of a scenario whose optimised answer is flown instead, or "".
-    path : inertial attitudes of a file that are followed instead, by time from the start.
+    path : inertial attitudes that are followed instead, by time from the start: those of a file, or
+        where directions lead.
     """
 
     q_ob: Float64

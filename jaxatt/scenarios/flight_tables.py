@@ -16,7 +16,7 @@ from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.residual_dipole import ResidualDipole
 from jaxatt.environment.solar_radiation_pressure import SolarPressure
 from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.aims import read_followed, read_state
 from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import attitude_given
 from jaxatt.problems.reading.dates import read_epoch
@@ -24,6 +24,7 @@ from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import POSE_KEYS
 from jaxatt.problems.scenario import Orbit
+from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
 from jaxatt.simulation.campaign import Spread
@@ -92,11 +93,11 @@ def read_reference(
     initial: InitialState,
     notes: list[str],
     sky: Sky,
-    duration: float,
+    timing: Timing,
 ) -> Asked:
     """Read the reference that the laws follow.
 
-    sky : what its attitude may be told by.  duration : [s], of the flight.
+    sky : what its attitude may be told by.  timing : of the flight.
     """
     table = Table(data, origin, "[reference]", FLIGHT_TABLES["reference"])
     manoeuvre = table.text("manoeuvre", " ").strip()
@@ -107,13 +108,17 @@ def read_reference(
     path = None
     if "aem_file" in table:
         refuse_beside_file(table, (*POSE_KEYS, "rate_rad_s", "rate", "attitude_held", "manoeuvre"))
-        path = read_path(table, sky.folder, sky.days, min(since, duration), duration)
+        last = timing.duration
+        path = read_path(table, sky.folder, sky.days, min(since, last), last)
     elif "at" in table:
         table.fail("at", "given without aem_file", "name the file, or drop it")
+    attitude, rate = initial.q_ob, table.vector("rate_rad_s", 3, np.zeros(3))
     if given:
-        attitude, rate = read_state(table, notes, sky, since)
-    else:
-        attitude, rate = initial.q_ob, table.vector("rate_rad_s", 3, np.zeros(3))
+        path = read_followed(table, notes, sky, _instants(table, since, timing))
+        if path is None:
+            attitude, rate = read_state(table, notes, sky, since)
+    elif "rate" in table:
+        table.fail("rate", "given without an attitude", "add align with constrain, or attitude_deg")
     return Asked(
         attitude,
         rate,
@@ -122,6 +127,19 @@ def read_reference(
         manoeuvre,
         path,
     )
+
+
+def _instants(table: Table, since: float, timing: Timing) -> Floats:
+    """Sampling instants (n,) [s] from one time on, two at least."""
+    times = np.asarray(timing.sampling * np.arange(timing.samples + 1), np.float64)
+    found = times[times >= since - 1e-9]
+    if len(found) < 2:
+        table.fail(
+            "from_s",
+            f"leaves nothing of a flight of {timing.duration:g} s",
+            "give a time before its end",
+        )
+    return found
 
 
 def read_timing(data: Any, origin: str) -> Timing:

@@ -1,12 +1,10 @@
 """Directions from a satellite: rates beside differences, a place on the ground beside astropy."""
 
-import datetime as dt
-import warnings
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from references.astropy_sight import astropy_sight
 from scipy.spatial.transform import Rotation
 
 from jaxatt.environment import epoch, ground, igrf, toward
@@ -80,7 +78,10 @@ def test_a_place_at_the_closest_approach_beside_astropy():
     assert height > np.deg2rad(20.0)
     body, second_body = np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0])
     q, rate = toward.pose(body, site, second_body, ALL["velocity"], jnp.asarray(time))
-    known = {side: astropy_sight(time + side) for side in (-0.5, 0.0, 0.5)}
+    known = {
+        side: astropy_sight(DAYS, time + side, MOTION.at(jnp.asarray(time + side)).position, SITE)
+        for side in (-0.5, 0.0, 0.5)
+    }
     boresight = rotation(q).apply(body)
     off = np.arctan2(np.linalg.norm(np.cross(boresight, known[0.0])), boresight @ known[0.0])
     assert np.rad2deg(off) < 0.01
@@ -90,29 +91,6 @@ def test_a_place_at_the_closest_approach_beside_astropy():
     across = across - boresight * (boresight @ across)
     np.testing.assert_allclose(across, swept, atol=1e-6)
     assert np.linalg.norm(across) > 5e-3
-
-
-def astropy_sight(time):
-    """Unit vector from the satellite to the place in inertial axes."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        from astropy import units
-        from astropy.coordinates import EarthLocation
-        from astropy.time import Time
-        from astropy.utils.iers import conf
-
-        with (
-            conf.set_temp("auto_download", False),
-            conf.set_temp("auto_max_age", None),
-            conf.set_temp("iers_degraded_accuracy", "ignore"),
-        ):
-            date = epoch.J2000 + dt.timedelta(days=DAYS, seconds=time)
-            when = Time(date.replace(tzinfo=None), scale="utc")
-            degrees = np.rad2deg(SITE[:2])
-            place = EarthLocation.from_geodetic(degrees[1], degrees[0], SITE[2])
-            there = place.get_gcrs(when).cartesian.xyz.to_value(units.m)
-    sight = there - np.asarray(MOTION.at(jnp.asarray(time)).position)
-    return sight / np.linalg.norm(sight)
 
 
 def test_the_field_is_that_of_the_model():

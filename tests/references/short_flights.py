@@ -10,6 +10,14 @@ from jaxatt.attitude.components import Vector
 from jaxatt.scenarios import flight_from_mapping
 
 LEVER = [0.05, 0.10, 0.15]
+ELEMENTS = {
+    "semi_major_axis_km": 6852.2,
+    "eccentricity": 0.002,
+    "inclination_deg": 97.0,
+    "raan_deg": 280.0,
+    "argument_of_periapsis_deg": 0.0,
+    "true_anomaly_deg": 90.0,
+}
 
 
 @jax.tree_util.register_dataclass
@@ -31,14 +39,7 @@ def flight(**changes):
     document = {
         "name": "short",
         "vehicle": {"use": "hypso1", "magnetorquers": {"dipole_limit_Am2": 0.5}},
-        "orbit": {
-            "semi_major_axis_km": 6852.2,
-            "eccentricity": 0.002,
-            "inclination_deg": 97.0,
-            "raan_deg": 280.0,
-            "argument_of_periapsis_deg": 0.0,
-            "true_anomaly_deg": 90.0,
-        },
+        "orbit": ELEMENTS,
         "environment": {"gravity_gradient": True},
         "initial": {
             "attitude_deg": [20.0, -30.0, 40.0],

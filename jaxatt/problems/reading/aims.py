@@ -7,14 +7,16 @@ import math
 import jax
 import numpy as np
 
+from jaxatt.attitude.attitude_path import AttitudePath
 from jaxatt.attitude.host_turns import conjugate, product, to_body
 from jaxatt.environment import toward
-from jaxatt.problems.along_orbit import along_orbit, from_inertial
+from jaxatt.problems.along_orbit import along_orbit, from_inertial, to_inertial
 from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import check_one_form, read_attitude
 from jaxatt.problems.reading.directions import Aim, Sky, check_sight, read_aim
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
+from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.spacecraft.checks import Float64
 
@@ -24,9 +26,12 @@ _MOVED = 1e-4
 """[deg] By which an attitude may differ between the shortest and the longest final time."""
 _LONG = 600.0
 """[s] After which a direction that moves has moved, where there is no longest final time."""
+_CHECKED = 65
+"""Instants at which directions that are followed are checked."""
 _RATES = ("orbit", "inertial", "track")
 
 _pose = jax.jit(toward.pose, compiler_options=RUNS_ONCE)
+_poses = jax.jit(jax.vmap(toward.pose, (None, None, None, None, 0)), compiler_options=RUNS_ONCE)
 _apart = jax.jit(toward.apart, compiler_options=RUNS_ONCE)
 
 
@@ -43,14 +48,7 @@ def read_state(
         return _in_file(table, sky, first)
     if "at" in table:
         table.fail("at", "given without aem_file", "name the file, or drop it")
-    aimed = any(key in table for key in AIM_KEYS)
-    told = table.choice("rate", _RATES, _RATES[0]) if "rate" in table else ""
-    if told and "rate_rad_s" in table:
-        table.fail("rate", "given beside rate_rad_s", "keep one of the two and drop the other")
-    if told == "track" and not aimed:
-        table.fail("rate", "there is nothing to track", 'add align, or use rate = "inertial"')
-    if told == "orbit" and sky.motion is None:
-        table.fail("rate", "there is no [orbit]", 'add one, or use rate = "inertial"')
+    aimed, told = _aimed_and_told(table, sky)
     if not aimed:
         q = read_attitude(table, notes)
         return q, _rate(table, told, q, sky, first, np.zeros(3))
@@ -66,6 +64,43 @@ def read_state(
                 "fix the final time, or point along what rests in the frame of the attitudes",
             )
     return q, _rate(table, told, q, sky, first, rate)
+
+
+def read_followed(table: Table, notes: list[str], sky: Sky, times: Floats) -> AttitudePath | None:
+    """Read the inertial attitudes of a body that follows its directions, or rests among the stars.
+
+    times : (n,) [s], n of at least 2, of the attitudes.
+
+    None unless the table says `rate = "track"` or `"inertial"`.  Raises `ScenarioError`.
+    """
+    _, told = _aimed_and_told(table, sky)
+    if told == "track":
+        aims = _read_aims(table, notes, sky, float(times[0]), float(times[-1]))
+        for time in times[np.linspace(0, len(times) - 1, _CHECKED).astype(int)]:
+            _check(table, aims, sky, float(time))
+        first, second = aims
+        with jax.enable_x64(True):
+            found = _poses(first.body, first.direction, second.body, second.direction, times)
+            return AttitudePath(times, *map(np.asarray, found))
+    if told == "inertial":
+        q, rate = read_state(table, notes, sky, float(times[0]))
+        motion = sky.motion if sky.frame == "orbit" else None
+        q_ib, _ = to_inertial(motion, times[:1], q[None], rate[None])
+        return AttitudePath(times[[0, -1]], np.repeat(q_ib, 2, axis=0), np.zeros((2, 3)))
+    return None
+
+
+def _aimed_and_told(table: Table, sky: Sky) -> tuple[bool, str]:
+    """Whether a table points along directions, and its `rate`, checked; "" without."""
+    aimed = any(key in table for key in AIM_KEYS)
+    told = table.choice("rate", _RATES, _RATES[0]) if "rate" in table else ""
+    if told and "rate_rad_s" in table:
+        table.fail("rate", "given beside rate_rad_s", "keep one of the two and drop the other")
+    if told == "track" and not aimed:
+        table.fail("rate", "there is nothing to track", 'add align, or use rate = "inertial"')
+    if told == "orbit" and sky.motion is None:
+        table.fail("rate", "there is no [orbit]", 'add one, or use rate = "inertial"')
+    return aimed, told
 
 
 def _in_file(table: Table, sky: Sky, time: float) -> tuple[Float64, Float64]:
@@ -93,23 +128,30 @@ def _rate(table: Table, told: str, q: Float64, sky: Sky, time: float, tracking: 
 
 def _aimed(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> tuple[Float64, Float64]:
     """Attitude and tracking rate at a time, relative to the sky's frame."""
+    _check(table, aims, sky, time)
     first, second = aims
     motion = sky.motion if sky.frame == "orbit" else None
     with jax.enable_x64(True):
-        wanted = math.degrees(float(_apart(first.direction, second.direction, float(time))))
-        if not _LEAST_APART < wanted < 180.0 - _LEAST_APART:
-            table.fail(
-                "constrain",
-                f"{second.words} stands {wanted:.3g} deg from {first.words}, which leaves the "
-                "roll to chance",
-                "constrain an axis toward something else",
-            )
-        for aim in aims:
-            check_sight(table, aim.key, (aim.direction, aim.words), sky, time)
         found = _pose(first.body, first.direction, second.body, second.direction, float(time))
         posed = (np.asarray(part)[None] for part in found)
     q, rate = from_inertial(motion, np.array([time]), *posed)
     return np.where(q[0, 0] < 0.0, -q[0], q[0]), rate[0]
+
+
+def _check(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> None:
+    """Refuse directions that meet at a time [s], or that are out of sight."""
+    first, second = aims
+    with jax.enable_x64(True):
+        wanted = math.degrees(float(_apart(first.direction, second.direction, time)))
+    if not _LEAST_APART < wanted < 180.0 - _LEAST_APART:
+        table.fail(
+            "constrain",
+            f"{second.words} stands {wanted:.3g} deg from {first.words} {time:.4g} s after the "
+            "start, which leaves the roll to chance",
+            "constrain an axis toward something else",
+        )
+    for aim in aims:
+        check_sight(table, aim.key, (aim.direction, aim.words), sky, time)
 
 
 def _read_aims(

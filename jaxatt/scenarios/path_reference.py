@@ -1,4 +1,4 @@
-"""Reference of a flight that follows the attitudes of a file."""
+"""Reference of a flight that follows a path: the attitudes of a file, or directions."""
 
 from __future__ import annotations
 
