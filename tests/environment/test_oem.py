@@ -191,3 +191,11 @@ def test_velocities_seen_on_the_turning_earth():
     r_too, v_too = STATES(times)
     np.testing.assert_allclose(r, r_too, rtol=0.0, atol=1e-3)
     np.testing.assert_allclose(v, v_too, rtol=0.0, atol=5e-3)
+
+
+def test_how_long_states_go_on(tmp_path):
+    times = np.arange(0.0, 1201.0, 60.0)
+    parts = (times[:10], times[13:])
+    table = read_oem(written(tmp_path, *(message(part, *STATES(part)) for part in parts)))
+    for after, known in ((0.0, 540.0), (500.0, 40.0), (600.0, 0.0), (800.0, 400.0), (1300.0, 0.0)):
+        assert table.lasts(DAYS + after / 86400.0) == pytest.approx(known, abs=1e-4)

@@ -165,3 +165,14 @@ def test_degrees_that_look_like_radians_are_noted():
     place = {**SITE, "latitude_deg": 1.1069, "longitude_deg": 0.1813}
     noted = read(orbit={"epoch": "2025-09-08T21:58:50Z"}, target={"align": place})
     assert [note for note in noted.notes if "as radians they would be 63.42 and 10.39" in note]
+
+
+def test_what_may_be_behind_a_place_out_of_sight_is_said():
+    place = {**SITE, "latitude_deg": 1.1069, "longitude_deg": 0.1813}
+    with pytest.raises(ScenarioError, match=r"out of sight.*as radians they would be 63\.42 and"):
+        read(target={"align": place})
+    with pytest.raises(ScenarioError, match=r"out of sight.*42\.9 days old .* off by about"):
+        read(orbit={"epoch": "2025-10-20T20:41:40Z"})
+    with pytest.raises(ScenarioError, match="out of sight") as caught:
+        read(target={"align": {**SITE, "latitude_deg": -3.0, "longitude_deg": 2.0}})
+    assert "radians" not in str(caught.value) and "days old" not in str(caught.value)

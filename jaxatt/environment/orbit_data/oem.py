@@ -84,6 +84,12 @@ class EphemerisTable:
         """Moment of the first state, days since J2000."""
         return self.pieces[0].span[0]
 
+    def lasts(self, days: float) -> float:
+        """Time [s] from a moment to the next gap, or the end; 0 where there are no states then."""
+        spans = [piece.span for piece in self.pieces]
+        ends = [end for begin, end in spans if begin - _ROUNDING / SECONDS_PER_DAY <= days <= end]
+        return (max(ends) - days) * SECONDS_PER_DAY if ends else 0.0
+
     def over(self, days: float, first: float, last: float) -> States:
         """States between those of the file; what is asked outside goes on with J2."""
         begin, end = (days + time / SECONDS_PER_DAY for time in (first, last))
@@ -95,8 +101,8 @@ class EphemerisTable:
         more = f" and {len(self.pieces) - 5} more spans" if len(self.pieces) > 5 else ""
         raise OrbitDataError(
             f"the motion from {moment_text(begin)} to {moment_text(end)} is not within states "
-            f"without a gap, which are from {spans}{more}; begin at another epoch, or give a file "
-            "that covers it"
+            f"without a gap, which are from {spans}{more}; begin at another epoch, end before, or "
+            "give a file that covers it"
         )
 
 

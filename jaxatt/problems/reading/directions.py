@@ -13,6 +13,7 @@ import numpy as np
 from jaxatt.environment import igrf, toward
 from jaxatt.environment.epoch import SECONDS_PER_DAY, decimal_year
 from jaxatt.environment.motion import Motion
+from jaxatt.environment.orbit_data.element_set import ElementSet
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, moment_of
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.orbit import covering, read_orbit
@@ -45,6 +46,7 @@ class Sky:
     sun : (3,), a fixed sun in inertial axes; None for the true one.
     frame : "orbit" or "inertial".  folder : where files are looked up.
     without_orbit : what to do where there is no orbit to tell a direction by.
+    doubt : sentence on how far the orbit may be off; empty where nothing is known against it.
     """
 
     frame: str = "inertial"
@@ -53,6 +55,7 @@ class Sky:
     sun: Floats | None = None
     folder: Path | None = None
     without_orbit: str = "add [orbit], or give direction_inertial"
+    doubt: str = ""
 
 
 def sky_over(
@@ -71,7 +74,9 @@ def sky_over(
         return Sky("inertial", None, days, sun, folder)
     with jax.enable_x64(True):
         motion = motion_of(orbit)
-    return Sky(frame, motion, orbit.days if days is None else days, sun, folder)
+    path, start = orbit.path, orbit.days if days is None else days
+    doubt = path.warning(start) if isinstance(path, ElementSet) and start is not None else ""
+    return Sky(frame, motion, start, sun, folder, doubt=doubt)
 
 
 class Aim(NamedTuple):
@@ -124,12 +129,26 @@ def check_sight(
         angle = math.degrees(float(_elevation(direction, float(time))))
     if angle <= 0.0:
         when = moment_of(_days(sky) + time / SECONDS_PER_DAY)
+        place = (math.degrees(float(x)) for x in (direction.latitude, direction.longitude))
+        mend = "move the manoeuvre in time, or check the place and the orbit"
         table.fail(
             key,
             f"{words} is out of sight: the satellite stands {angle:.2f} deg above its "
             f"horizon at {when:%Y-%m-%dT%H:%M:%SZ}",
-            "move the manoeuvre in time, or check the place and the orbit",
+            "; ".join(filter(None, (as_radians(*place), sky.doubt, mend))),
         )
+
+
+def as_radians(latitude: float, longitude: float) -> str:
+    """Sentence on a place [deg] whose angles may have been meant as radians; empty for others."""
+    small = all(abs(x) <= math.pi for x in (latitude, longitude))
+    # Nobody writes radians that are whole numbers.
+    if not small or any(round(x, 9).is_integer() for x in (latitude, longitude)):
+        return ""
+    return (
+        f"latitude {latitude:g} and longitude {longitude:g} are taken as degrees; as radians they "
+        f"would be {math.degrees(latitude):.4g} and {math.degrees(longitude):.4g} deg"
+    )
 
 
 def _direction(
@@ -167,12 +186,8 @@ def _to_site(table: Table, notes: list[str], sky: Sky) -> tuple[toward.Direction
     latitude = table.number("latitude_deg", at_least=-90.0, at_most=90.0, example="63.42")
     longitude = table.number("longitude_deg", at_least=-360.0, at_most=360.0, example="10.39")
     height = table.number("height_m", 0.0, at_least=-1e4, at_most=1e5)
-    if all(abs(x) <= math.pi and not float(x).is_integer() for x in (latitude, longitude)):
-        notes.append(
-            f"{table.label}: latitude {latitude:g} and longitude {longitude:g} are taken as "
-            f"degrees; as radians they would be {math.degrees(latitude):.4g} and "
-            f"{math.degrees(longitude):.4g} deg"
-        )
+    if doubtful := as_radians(latitude, longitude):
+        notes.append(f"{table.label}: {doubtful}")
     at = (math.radians(latitude), math.radians(longitude), height)
     words = f"the place {latitude:g}, {longitude:g} deg"
     return toward.ToSite(sky.motion, _days(sky), *at), words

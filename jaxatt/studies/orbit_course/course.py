@@ -17,6 +17,7 @@ from jaxatt.environment.eclipse_times import Eclipse, eclipses
 from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.light import Light
+from jaxatt.environment.orbit_data.oem import EphemerisTable
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch, moment_of
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.orbit import covering
@@ -75,13 +76,17 @@ def period_of(known: KnownOrbit) -> float:
 
 
 def course_of(known: KnownOrbit, duration: float | None = None) -> Course:
-    """Follow an orbit for some time [s] from its epoch; `REVOLUTIONS` of them by default.
+    """Follow an orbit for some time [s] from its epoch.
 
+    By default for `REVOLUTIONS`, or for as long as the states of a file go on.
     Raises `ScenarioError` where the orbit or the sun is not known for so long.
     """
     period, days = period_of(known), known.orbit.days
     assert days is not None
     last = REVOLUTIONS * period if duration is None else duration
+    if duration is None and isinstance(known.orbit.path, EphemerisTable):
+        # Without states at all nothing is shortened, so that the refusal says when there are some.
+        last = min(last, known.orbit.path.lasts(days) or last)
     count = max(2, math.ceil(_INSTANTS * last / period) + 1)
     if count > _MOST:
         raise ScenarioError(

@@ -15,6 +15,7 @@ from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.motion import Motion
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.reading.directions import as_radians
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -42,12 +43,14 @@ def check_sights(tasks: Sequence[Task], flown: OrbitTask | None, origin: str, le
         if angles[worst] >= least:
             continue
         best, days = int(np.argmax(angles)), float(flown.days)
+        meant = as_radians(math.degrees(task.site.latitude), math.degrees(task.site.longitude))
+        mend = "move the task in time, or check the target and the orbit's epoch"
         raise ScenarioError(
             f"{where}is out of sight: the satellite stands {math.degrees(angles[worst]):.1f} deg "
             f"above its horizon at {clock_text(times[worst], days)} and at most "
             f"{math.degrees(angles[best]):.1f} deg at {clock_text(times[best], days)}, where at "
-            f"least {math.degrees(least):g} deg are asked for; move the task in time, or "
-            "check the target and the orbit's epoch"
+            f"least {math.degrees(least):g} deg are asked for; "
+            + "; ".join(filter(None, (meant, mend)))
         )
 
 
