@@ -13,6 +13,7 @@ from rich.table import Table
 
 from jaxatt.drawing.figure import save as save_figure
 from jaxatt.drawing.rendering import as_html, as_text
+from jaxatt.environment.orbit_data.element_set import ElementSet
 from jaxatt.problems.net_power.dates import DatedPlan, plan_on_dates
 from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.reading.fields import ScenarioError
@@ -75,7 +76,7 @@ class Year:
         least = self.plans.least_charge[k] if stored else np.nan
         return {
             "date": f"{moment_of(self.plans.days[k]):%Y-%m-%d}",
-            "beta_deg": float(np.degrees(self.beta[k])),
+            "beta_deg": _number(np.degrees(self.beta[k])),
             "net_J": _number(self.total[k]),
             "harvests_J": _number(self.harvested[k]),
             "baseline_J": _number(self.baseline[k]),
@@ -88,8 +89,19 @@ class Year:
 
     def table(self) -> Table:
         """Table of some dates, evenly apart, and of all that fail."""
-        made = f"{self.starts} starts a harvest, seed {self.seed}."
+        made = f"{self.starts} starts a harvest, seed {self.seed}.{self._aged()}"
         return year_table(self.scenario.title, self.rows(), made)
+
+    def _aged(self) -> str:
+        """Sentence on how far the orbit may be off; empty where it is no old set of elements."""
+        paths = [None if orbit is None else orbit.path for orbit in self.plans.orbits]
+        sets = zip(paths, self.plans.days.tolist(), strict=True)
+        off = [path.off_by(day) for path, day in sets if isinstance(path, ElementSet)]
+        if not off:
+            return ""
+        return (
+            f" By the age of its elements the orbit may be off by up to {1e-3 * max(off):.0f} km."
+        )
 
     def plot(self) -> Picture:
         """Plot energies, gain, least charge and the sun's height over the date."""
@@ -151,11 +163,6 @@ def plan_year(
         raise ScenarioError(
             f"{scenario.origin}: [orbit] epoch: missing, and dates need an orbit with an epoch"
         )
-    if scenario.orbit.path is not None:
-        raise ScenarioError(
-            f"{scenario.origin}: [orbit]: other dates need an orbit that stays as it is; give "
-            "Keplerian elements without perturbations"
-        )
     count = starts or min(STARTS, scenario.solver.starts)
     chosen = scenario.solver.seed if seed is None else seed
     plans = plan_on_dates(scenario, days, count, chosen, report)
@@ -169,7 +176,7 @@ def plan_year(
         flown * plans.net[:, harvest].sum(axis=1),
         flown * plans.baseline[:, harvest].sum(axis=1),
         flown * plans.net.sum(axis=1),
-        beta_angle(scenario.orbit, days),
+        beta_angle(plans.orbits, days),
         np.inf if battery is None else float(battery.capacity),
         count,
         chosen,

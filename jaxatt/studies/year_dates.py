@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -54,15 +56,21 @@ def read_dates(text: str, scenario: Scenario) -> Floats:
     return np.asarray(first + hour + apart * np.arange(count, dtype=float), np.float64)
 
 
-def beta_angle(orbit: Orbit, days: Floats) -> Floats:
-    """Angle (D,) [rad] of the sun above the plane of the orbit, which stays where it is."""
-    return np.asarray(_beta(elements_of(orbit), orbit.gravitational_parameter, jnp.asarray(days)))
+def beta_angle(orbits: Sequence[Orbit | None], days: Floats) -> Floats:
+    """Angle (D,) [rad] of the sun above the plane of each orbit; not a number without one."""
+    return np.array(
+        [
+            np.nan
+            if orbit is None
+            else float(_beta(elements_of(orbit), orbit.gravitational_parameter, day))
+            for orbit, day in zip(orbits, days.tolist(), strict=True)
+        ]
+    )
 
 
 def _above(elements: kepler.KeplerianElements, mu: float, days: jax.Array) -> jax.Array:
     normal = jnp.cross(*kepler.to_state(elements, mu))
-    normal = normal / jnp.linalg.norm(normal)
-    return jnp.arcsin(jnp.sum(sun.sun_direction(days) * normal[None], axis=-1))
+    return jnp.arcsin(sun.sun_direction(days) @ normal / jnp.linalg.norm(normal))
 
 
 _beta = jax.jit(_above, compiler_options=RUNS_ONCE)

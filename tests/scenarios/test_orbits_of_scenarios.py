@@ -17,7 +17,7 @@ from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.orbit_data.tle import element_set
 from jaxatt.environment.table import environment_at
 from jaxatt.problems.net_power.plan.sight import positions_over_ground
-from jaxatt.problems.reading.orbit import covering, read_orbit
+from jaxatt.problems.reading.orbit import covering, on_date, read_orbit
 from jaxatt.problems.surroundings import motion_of, surroundings_of
 from jaxatt.scenarios import ScenarioError
 from jaxatt.scenarios.flight_build import build_flight
@@ -174,3 +174,19 @@ def test_an_orbit_is_not_sampled_for_ever():
     message = refusal(CASE["orbit"], horizon=horizon)
     assert "longest_s" in message
     with_orbit(CASE["orbit"], horizon={**horizon, "longest_s": 90.0})
+
+
+def test_an_oblate_orbit_goes_on_to_the_dates():
+    table = dict(scenarios.load("hypso2-orbit").document["orbit"])
+    ellipse = read_orbit(table, "test", None, [])
+    moved = on_date(ellipse, table, "test", None, [], ellipse.days + 2.5)
+    assert (moved.raan, moved.days) == (ellipse.raan, ellipse.days + 2.5)
+    table["perturbations"] = "J2"
+    first = read_orbit(table, "test", None, [])
+    later = on_date(first, table, "test", None, [], first.days + 1.0)
+    again = on_date(later, table, "test", None, [], first.days + 2.5)
+    at_once = on_date(first, table, "test", None, [], first.days + 2.5)
+    for name in ("raan", "inclination", "semi_major_axis"):
+        assert getattr(again, name) == pytest.approx(getattr(at_once, name), rel=1e-9)
+    # Sun-synchronous: the node goes on by a degree a day.
+    assert np.rad2deg(again.raan - first.raan) == pytest.approx(2.5, abs=0.2)

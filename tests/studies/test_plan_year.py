@@ -34,8 +34,8 @@ def year(scenario):
         values[failed] = np.nan
     reason = tuple(WHY if k == failed else "" for k in range(count))
     both = np.stack([harvested, 0.0 * harvested], axis=1)
-    plans = DatedPlan(days, both, both, np.full(count, 2.2e5), reason)
-    beta = beta_angle(scenario.orbit, days)
+    plans = DatedPlan(days, (scenario.orbit,) * count, both, both, np.full(count, 2.2e5), reason)
+    beta = beta_angle([scenario.orbit] * len(days), days)
     return Year(scenario, plans, harvested, baseline, harvested - 9e3, beta, 302400.0, 4, 0)
 
 
@@ -82,7 +82,7 @@ def test_dates_need_an_orbit_with_an_epoch(scenario):
 def test_dates_outside_the_field_model_fail_with_the_reason(scenario):
     found = plan_year(scenario, np.array([-60000.0, 15000.0]))
     assert not found.reached and np.isnan(found.gain).all()
-    assert ["the year" in reason and "IGRF-14" in reason for reason in found.plans.reason] == [
+    assert ["epoch" in reason and "IGRF-14" in reason for reason in found.plans.reason] == [
         True,
         True,
     ]
@@ -91,7 +91,7 @@ def test_dates_outside_the_field_model_fail_with_the_reason(scenario):
 def test_beta_angle_is_the_suns_height_above_the_orbit(scenario):
     """A retrograde orbit near the poles: over a year the sun goes to either side of it."""
     days = read_dates("2023-01-01:2023-12-31", scenario)
-    beta = np.degrees(beta_angle(scenario.orbit, days))
+    beta = np.degrees(beta_angle([scenario.orbit] * len(days), days))
     inclination, node = np.radians(97.439), np.radians(139.3136)
     normal = [
         np.sin(inclination) * np.sin(node),

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from jaxatt.environment import igrf
-from jaxatt.environment.epoch import decimal_year
+from jaxatt.environment.epoch import moment_text
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
@@ -20,14 +21,14 @@ from jaxatt.problems.net_power.flight import PoweredFlight, fly_many
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion, Satellite
-from jaxatt.problems.net_power.plan.floor import check_floor
 from jaxatt.problems.net_power.plan.hold import fly_held
 from jaxatt.problems.net_power.plan.manoeuvre import Terms, held_rate, task_manoeuvre
 from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.reading.scenario import read_along
 from jaxatt.problems.net_power.wheels.search import search_wheels
-from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.reading.orbit import on_date
+from jaxatt.problems.scenario import Orbit, Scenario
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import Report
@@ -43,12 +44,14 @@ that just misses is corrected first."""
 class DatedPlan:
     """A plan on D dates, of T tasks.
 
-    days : (D,), epochs since J2000.  net, baseline : (D, T) [J], by the flights; not a number after
-    a task that was not flown as asked.  least_charge : (D,) [J], until then.
+    days : (D,), epochs since J2000.  orbits : from then on; None where none is known.
+    net, baseline : (D, T) [J], by the flights; not a number after a task that was not flown as
+    asked.  least_charge : (D,) [J], until then.
     reason : why a date's plan cannot be flown, and which task; empty where it can.
     """
 
     days: Floats
+    orbits: tuple[Orbit | None, ...]
     net: Floats
     baseline: Floats
     least_charge: Floats
@@ -64,7 +67,9 @@ class DatedPlan:
 class _Dates:
     """Dates under way: where each stands after the last task, and what it has earned."""
 
+    orbits: list[Orbit | None]
     satellites: list[Satellite | None]
+    tasks: list[tuple[Task, ...]]
     motion: list[Motion]
     charge: Floats
     net: Floats
@@ -83,8 +88,9 @@ def plan_on_dates(
 ) -> DatedPlan:
     """Solve the plan of a scenario on other dates, each in sequence from its own flown ends.
 
-    The orbit keeps its elements in inertial axes; the sun, the shadow and the magnetic field are
-    those of the dates, and so targets on the ground are not looked for.
+    Sun, shadow, magnetic field and the directions that attitudes are told by are those of the
+    dates.  An orbit goes on until then as far as it is known, see `on_date`; so places that have to
+    be in sight are not looked for.
     days : (D,), epochs since J2000.  starts : of every harvest on every date.
     """
     parts = []
@@ -95,6 +101,7 @@ def plan_on_dates(
         parts.append(_plan_on_some(scenario, some, starts, seed, room, _named(report, name)))
     return DatedPlan(
         days,
+        tuple(orbit for part in parts for orbit in part.orbits),
         np.concatenate([part.net for part in parts]),
         np.concatenate([part.baseline for part in parts]),
         np.concatenate([part.least for part in parts]),
@@ -110,19 +117,20 @@ def _plan_on_some(
     room : of the compiled programmes, so that they serve the dates that are left after others
     failed, and the last of the year, too.
     """
-    options = options_of(scenario)
-    satellites, reasons = _satellites(scenario, days)
-    motion, charge = beginning(scenario, PhaseStart())
-    count, tasks = len(days), options.tasks
+    options, tasks, count = options_of(scenario), options_of(scenario).tasks, len(days)
+    begun = beginning(scenario, PhaseStart())
     dates = _Dates(
-        satellites,
-        [motion] * count,
-        np.full(count, charge),
+        [None] * count,
+        [None] * count,
+        [tasks] * count,
+        [begun[0]] * count,
+        np.full(count, begun[1]),
         np.full((count, len(tasks)), np.nan),
         np.full((count, len(tasks)), np.nan),
-        np.full(count, charge),
-        reasons,
+        np.full(count, begun[1]),
+        [""] * count,
     )
+    _set_out(scenario, days, dates)
     for index, task in enumerate(tasks):
         rows = dates.going
         if not rows:
@@ -134,35 +142,46 @@ def _plan_on_some(
             law = options.baseline
             base = flight if law is None else fly_baseline(manoeuvres, law)
         else:
-            flight = fly_held(manoeuvres, np.tile(held_rate(task), (len(rows), 1)))
+            flight = fly_held(
+                manoeuvres, np.stack([held_rate(dates.tasks[k][index]) for k in rows])
+            )
             verdict, base = _judged(manoeuvres, flight), flight
         _note(dates, rows, index, task, manoeuvres, flight, verdict, base)
     return dates
 
 
-def _satellites(scenario: Scenario, days: Floats) -> tuple[list[Satellite | None], list[str]]:
-    """The satellite on each date; None with a reason where there is none."""
-    options = options_of(scenario)
-    satellite = options.satellite
-    found: list[Satellite | None] = []
-    reasons: list[str] = []
-    if satellite.orbit is None:
+def _set_out(scenario: Scenario, days: Floats, dates: _Dates) -> None:
+    """Read the plan on each date: its orbit, satellite, tasks and beginning, or why it has none."""
+    if scenario.orbit is None:
         raise ScenarioError(f"{scenario.origin}: [orbit]: missing, and dates need one; add it")
-    light = replace(satellite.light, sun=None)
-    for day in days:
-        year = decimal_year(moment_of(float(day)))
+    document, orbit = _undated(scenario), scenario.orbit
+    satellite = options_of(scenario).satellite
+    for k, day in enumerate(days.tolist()):
         try:
-            field = None if satellite.orbit.field is None else igrf.at_year(year)
-            orbit = replace(satellite.orbit, days=float(day), field=field)
-            dated = replace(satellite, orbit=orbit, light=light)
-            check_floor(options.tasks, dated, options.floor, scenario.origin, float(day))
+            orbit = on_date(orbit, document["orbit"], scenario.origin, scenario.folder, [], day)
+            dates.orbits[k] = orbit
+            document["orbit"]["epoch"] = moment_text(day)
+            dated = read_along(copy.deepcopy(document), scenario.origin, scenario.folder, orbit)
         except ValueError as error:
-            found.append(None)
-            reasons.append(str(error))
-        else:
-            found.append(dated)
-            reasons.append("")
-    return found, reasons
+            dates.reason[k] = str(error)
+            continue
+        options = options_of(dated)
+        found = options.satellite
+        dates.satellites[k] = replace(satellite, orbit=found.orbit, light=found.light)
+        dates.tasks[k] = options.tasks
+        dates.motion[k], _ = beginning(dated, PhaseStart())
+
+
+def _undated(scenario: Scenario) -> dict[str, Any]:
+    """The plan's document with its tasks by seconds, the true sun, and no places to be seen."""
+    document = copy.deepcopy(dict(scenario.document))
+    for key in ("sun_inertial", "sun_distance_m"):
+        document.get("light", {}).pop(key, None)
+    for table, task in zip(document["tasks"], options_of(scenario).tasks, strict=True):
+        for key in ("start", "end", "duration_s", "target_deg"):
+            table.pop(key, None)
+        table.update(start_s=task.start, end_s=task.end)
+    return document
 
 
 def _manoeuvre(scenario: Scenario, dates: _Dates, index: int, k: int) -> Manoeuvre:
@@ -176,7 +195,7 @@ def _manoeuvre(scenario: Scenario, dates: _Dates, index: int, k: int) -> Manoeuv
         options.floor,
     )
     return task_manoeuvre(
-        satellite, options.tasks, index, dates.motion[k], float(dates.charge[k]), terms
+        satellite, dates.tasks[k], index, dates.motion[k], float(dates.charge[k]), terms
     )
 
 

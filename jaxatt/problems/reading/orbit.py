@@ -81,6 +81,25 @@ def read_orbit(
     return _along(path, start, mu)
 
 
+def on_date(
+    orbit: Orbit, data: Any, origin: str, folder: Path | None, notes: list[str], days: float
+) -> Orbit:
+    """The orbit that begins at another moment; data : its table [orbit].
+
+    A file is asked for that moment, and J2 goes on until then; an ellipse keeps its place among the
+    stars.
+    days : the moment, since J2000.  notes : what is to be said is added.
+    Raises `ScenarioError` where the orbit is not known then.
+    """
+    if orbit.path is None:
+        return dataclasses.replace(orbit, days=days)
+    if not isinstance(orbit.path, OblatePath):
+        return read_orbit(data, origin, folder, notes, days)
+    (r,), (v,) = orbit.path.over(days, 0.0, 0.0)(np.zeros(1))
+    path = dataclasses.replace(orbit.path, r=r, v=v, days=days)
+    return _along(path, days, orbit.gravitational_parameter)
+
+
 def covering(orbit: Orbit, data: Any, origin: str, last: float) -> Orbit:
     """The orbit, sampled for a motion of `last` [s] if it is no ellipse; data : its table.
 

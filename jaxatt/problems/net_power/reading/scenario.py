@@ -29,7 +29,7 @@ from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.settings import MOST_INTERVALS, read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Horizon, Scenario
+from jaxatt.problems.scenario import Horizon, Orbit, Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -38,14 +38,21 @@ _FRAMES = ("inertial", "orbit")
 
 def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
+    return read_along(document, origin, folder, None)
+
+
+def read_along(
+    document: dict[str, Any], origin: str, folder: Path | None, moved: Orbit | None
+) -> Scenario:
+    """Read and check the scenario, along another orbit than the document's if one is given."""
     heading = read_heading(
         document, origin, NET_POWER_TABLES, ("vehicle", "initial"), printed_rows=PRINTED_ROWS
     )
     check_printed_totals(heading.printed, origin)
     notes: list[str] = []
     craft = read_vehicle(document["vehicle"], origin, folder, notes, magnetorquers_alone=True)
-    orbit = None
-    if "orbit" in document:
+    orbit = moved
+    if moved is None and "orbit" in document:
         orbit = read_orbit(document["orbit"], origin, folder, notes)
     plan = "tasks" in document
     if plan and "target" in document:
@@ -71,7 +78,7 @@ def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -
     tasks: tuple[Task, ...] = ()
     if plan:
         pose = inertial_pose(initial, initial_frame, satellite.orbit)
-        tasks = read_tasks(document, origin, satellite, notes, pose, floor)
+        tasks = read_tasks(document, origin, satellite, notes, sky, pose, floor)
         horizon = replace(
             horizon,
             duration=sum(task.duration for task in tasks),

@@ -4,17 +4,21 @@ import dataclasses
 import math
 import tomllib
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from jaxatt.environment import epoch
+from jaxatt.environment import epoch, toward
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.light import Light
 from jaxatt.problems.net_power.manoeuvre import Satellite
+from jaxatt.problems.net_power.orbit_frame import orbit_frame
 from jaxatt.problems.net_power.plan.clock import clock_text
-from jaxatt.problems.net_power.plan.reading.plan import orbit_frame, read_tasks
+from jaxatt.problems.net_power.plan.reading.plan import read_tasks
 from jaxatt.problems.net_power.plan.task import goal
 from jaxatt.problems.net_power.pose import Pose, angle_between, product
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.orbit import read_orbit
 from jaxatt.problems.reading.vehicles import load_vehicle
@@ -36,9 +40,16 @@ def satellite(table=None, craft=CRAFT):
     return Satellite(craft, Light(1361.0), orbit=flown)
 
 
+def sky(flown):
+    """What attitudes may be told by on its orbit."""
+    orbit = flown.orbit
+    return Sky() if orbit is None else Sky("inertial", orbit.motion, orbit.days)
+
+
 def read(document, table=None, **changes):
     full = {"orbit": DOCUMENT["orbit"] if table is None else table, **document}
-    return read_tasks(full, "test", satellite(table), [], changes.get("initial", START))
+    flown = satellite(table)
+    return read_tasks(full, "test", flown, [], sky(flown), changes.get("initial", START))
 
 
 def small(*tasks, **horizon):
@@ -137,7 +148,7 @@ def test_without_an_orbit():
 def test_loads_are_those_of_the_mode():
     craft = dataclasses.replace(CRAFT, loads={"harvest": 13.5, "image": 29.5})
     document = small(HARVEST, IMAGE, HARVEST, {**IMAGE, "load_W": 3.0})
-    tasks = read_tasks(document, "test", satellite({}, craft), [])
+    tasks = read_tasks(document, "test", satellite({}, craft), [], Sky())
     assert [task.load for task in tasks] == [13.5, 29.5, 13.5, 3.0]
 
 
@@ -176,3 +187,73 @@ def test_the_clock_goes_over_midnight():
     tasks = read(document, table)
     assert [task.duration for task in tasks] == [150.0, 60.0]
     assert clock_text(tasks[1].start, days) == "00:01:30"
+
+
+def test_a_task_points_along_directions():
+    """As asked in the middle of the task, and at a constant rate before and after."""
+    flown = satellite()
+    aims = {
+        "align": {"body": [0.0, 0.0, 1.0], "toward": "nadir"},
+        "constrain": {"body": [1.0, 0.0, 0.0], "toward": "velocity"},
+    }
+    plain = {"mode": "image", "duration_s": 60.0, **aims}
+    for told, rests in (("track", "orbit"), ("orbit", "orbit"), ("inertial", "inertial")):
+        (_, task) = read(small(HARVEST, {**plain, "rate": told}))
+        for time in (0.0, 30.0, 60.0):
+            pose = task.pose.after(time)
+            frame = orbit_frame(flown.orbit, task.start + (time if rests == "orbit" else 30.0))
+            away = angle_between(pose.q_ib, frame.q_ib)
+            assert away < (1e-9 if time == 30.0 else 1e-3)
+        turning = np.linalg.norm(task.pose.omega_ib)
+        assert (turning > 1e-3) == (rests == "orbit")
+    held = read(small(HARVEST, {"mode": "communicate", "duration_s": 60.0, **aims}))[1].pose
+    np.testing.assert_allclose(held.omega_ib, 0.0, atol=1e-15)
+
+
+def test_directions_that_leave_a_task_are_told_and_refused():
+    svalbard = dict(DOCUMENT["tasks"][1], mode="communicate")
+    for key in ("attitude_quaternion", "target_deg"):
+        svalbard.pop(key)
+    latitude, longitude = DOCUMENT["tasks"][1]["target_deg"]
+    site = {"toward": "site", "latitude_deg": latitude, "longitude_deg": longitude}
+    svalbard["align"] = {"body": [0.0, 0.0, 1.0], **site}
+    svalbard["constrain"] = {"body": [1.0, 0.0, 0.0], "toward": "velocity"}
+    document = {"horizon": {}, "tasks": [dict(DOCUMENT["tasks"][0]), svalbard]}
+    flown = satellite()
+    whole = {"orbit": DOCUMENT["orbit"], **document}
+    notes = []
+    still = read_tasks(whole, "test", flown, notes, sky(flown), START)[1]
+    (note,) = notes
+    assert '"Svalbard" points as asked in its middle' in note and "deg away" in note
+    svalbard["rate"] = "track"
+    turning = read_tasks(whole, "test", flown, [], sky(flown), START)[1]
+    aim = toward.ToSite(flown.orbit.motion, flown.orbit.days, *np.radians([78.23, 15.39]), 0.0)
+
+    def off(task, time):
+        sight = np.array(aim.at(jnp.asarray(task.start + time)))
+        turn = Rotation.from_quat(task.pose.after(time).q_ib, scalar_first=True)
+        return np.linalg.norm(np.cross(turn.apply([0.0, 0.0, 1.0]), sight / np.linalg.norm(sight)))
+
+    for task in (still, turning):
+        assert off(task, 0.5 * task.duration) < 1e-7
+    assert off(turning, 0.0) < 0.5 * off(still, 0.0) and off(still, 0.0) > 0.1
+    svalbard["rate_deg_s"] = [0.0, 0.1, 0.0]
+    with pytest.raises(ScenarioError, match="given beside rate_deg_s"):
+        read(document)
+    svalbard.pop("rate_deg_s")
+    svalbard["align"]["latitude_deg"] = -60.0
+    with pytest.raises(ScenarioError, match="out of sight"):
+        read(document)
+    with pytest.raises(ScenarioError, match="needs an orbit"):
+        read(
+            small(
+                HARVEST,
+                {
+                    "mode": "image",
+                    "duration_s": 9.0,
+                    "align": svalbard["align"],
+                    "constrain": svalbard["constrain"],
+                },
+            ),
+            {},
+        )

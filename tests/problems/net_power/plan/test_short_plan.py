@@ -1,12 +1,21 @@
 """A plan of four short tasks from end to end: in sequence, above a floor, together, over dates."""
 
+import itertools
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
-from short_plan import short_plan
+from scipy.spatial.transform import Rotation
+from sgp4.api import Satrec
+from short_plan import DOCUMENT, short_plan
 
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
+from jaxatt.environment.kepler import to_state
+from jaxatt.environment.orbit_data.oem import read_oem
+from jaxatt.environment.teme import inertial_of_teme
+from jaxatt.exchange.aem_reading import read_aem
 from jaxatt.multistart.driver import some_passes
 from jaxatt.optimize.status import Status
 from jaxatt.problems.family import PhaseStart
@@ -16,6 +25,8 @@ from jaxatt.problems.net_power.build import options_of
 from jaxatt.problems.net_power.plan.joint.solve import JointAnswer
 from jaxatt.problems.net_power.pose import Pose, angle_between
 from jaxatt.problems.net_power.record import energy_of, net_power
+from jaxatt.problems.surroundings import elements_of, motion_of
+from jaxatt.report.export.export import export
 from jaxatt.report.tables import result_table
 from jaxatt.studies.plan_year import plan_year
 
@@ -187,3 +198,77 @@ def test_dates_that_fail_are_told_and_the_others_go_on_in_the_same_programme():
     assert year.plans.reason[poor].startswith('task 1 "first harvest": ')
     assert year.plans.reached[rich]
     assert year.plans.net[rich].sum() == pytest.approx(free.net[rich].sum(), abs=0.1)
+
+
+TLE = [
+    "1 51053U 22002BX  25250.94534449  .00021690  00000+0  44933-3 0  9999",
+    "2 51053  97.3237 320.2120 0003081 229.8776 130.2204 15.45768954202998",
+]
+ELEMENTS = dict.fromkeys(key for key in DOCUMENT["orbit"] if key != "epoch")
+NADIR = {
+    "align": {"body": [0.0, 0.0, 1.0], "toward": "nadir"},
+    "constrain": {"body": [1.0, 0.0, 0.0], "toward": "sun"},
+}
+
+
+def test_files_of_a_plan_are_one_motion(sequence, tmp_path):
+    """Through all joints of tasks, where rates may jump: times rise, attitudes go on."""
+    sequence.save(tmp_path / "plan")
+    written = {
+        form: export(tmp_path / "plan", tmp_path / form, form=form, orbit=True)
+        for form in ("aem", "stk", "csv")
+    }
+    segments = read_aem(written["aem"][0].path)
+    for before, after in itertools.pairwise(segments):
+        assert before.moments[-1] == after.moments[0]
+    assert all((np.diff(part.moments) > np.timedelta64(0)).all() for part in segments)
+    rows = np.loadtxt(written["csv"][0].path, delimiter=",", skiprows=1, usecols=range(1, 9))
+    assert (np.diff(rows[:, 0]) > 0.0).all() and rows[-1, 0] == 120.0
+    turned = (
+        Rotation.from_quat(rows[:-1, 1:5], scalar_first=True).inv()
+        * Rotation.from_quat(rows[1:, 1:5], scalar_first=True)
+    ).magnitude()
+    fastest = np.linalg.norm(rows[:, 5:8], axis=1).max()
+    assert (turned < 1.2 * fastest * np.diff(rows[:, 0])).all()
+    tasks = options_of(sequence.scenario).tasks
+    for task in (tasks[1], tasks[3]):
+        k = int(np.argmin(np.abs(rows[:, 0] - task.start)))
+        away = angle_between(rows[k, 1:5], task.pose.q_ib)
+        assert rows[k, 0] == task.start and away < task.attitude_tolerance
+        np.testing.assert_allclose(rows[k, 5:8], task.pose.omega_ib, atol=1e-8)
+    count = written["stk"][0].path.read_text().split("NumberOfAttitudePoints")[1].split()[0]
+    assert int(count) == len(rows)
+    r, v = read_oem(written["csv"][1].path).over(sequence.scenario.orbit.days, 0.0, 120.0)(
+        np.array([0.0, 77.0])
+    )
+    here = motion_of(sequence.scenario.orbit).at(jnp.asarray([0.0, 77.0]))
+    np.testing.assert_allclose(r, here.position, atol=0.1)
+    np.testing.assert_allclose(v, here.velocity, atol=1e-3)
+
+
+def test_an_orbit_of_elements_goes_on_to_the_dates():
+    """Days before and after the epoch of a TLE, with the attitudes of those days."""
+    changes = {f"orbit.{key}": None for key in ELEMENTS}
+    for index in (1, 3):
+        changes |= {f"tasks.{index}.{key}": None for key in ("attitude_quaternion", "target_deg")}
+        changes |= {f"tasks.{index}.{key}": value for key, value in NADIR.items()}
+    changes |= {"orbit.tle": TLE, "orbit.epoch": "2025-09-08T00:00:00Z"}
+    changes |= {"tasks.1.rate_deg_s": None, "tasks.1.rate": "track"}
+    scenario = scenarios.from_mapping(short_plan(changes))
+    own = scenario.orbit.days
+    days = np.array([own - 2.0, own, own + 3.0])
+    year = plan_year(scenario, days, starts=2)
+    assert year.reached, year.plans.reason
+    satrec = Satrec.twoline2rv(*TLE)
+    for day, orbit in zip(days, year.plans.orbits, strict=True):
+        _, r, v = satrec.sgp4(2451545.0, day)
+        here, speed = inertial_of_teme(np.array([day]), np.array([r]), np.array([v]))
+        found = to_state(elements_of(orbit), orbit.gravitational_parameter)
+        np.testing.assert_allclose(found[0], 1e3 * here[0], atol=0.1)
+        np.testing.assert_allclose(found[1], 1e3 * speed[0], atol=1e-3)
+    assert np.ptp(year.total) > 1.0
+    words = " ".join(as_text(year.table(), 100).split())
+    assert "By the age of its elements the orbit may be off by up to" in words
+    lost = plan_year(scenario, np.array([own + 3000.0]), starts=2)
+    assert not lost.reached and "take elements of about that date" in lost.plans.reason[0]
+    assert np.isnan(lost.beta).all()

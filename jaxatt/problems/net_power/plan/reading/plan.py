@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from jaxatt.problems.net_power.manoeuvre import Satellite
-from jaxatt.problems.net_power.orbit_frame import orbit_frame
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.floor import check_floor
 from jaxatt.problems.net_power.plan.reach import check_reach
@@ -18,6 +17,7 @@ from jaxatt.problems.net_power.plan.reading.times import read_span
 from jaxatt.problems.net_power.plan.sight import check_sights
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.pose import Pose
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.orbit import has_date
 
@@ -29,12 +29,13 @@ def read_tasks(
     origin: str,
     satellite: Satellite,
     notes: list[str],
+    sky: Sky,
     initial: Pose | None = None,
     floor: float = -math.inf,
 ) -> tuple[Task, ...]:
     """Read and check the tasks of a scenario's document.
 
-    satellite : with its loads, and the orbit that it is on.
+    satellite : with its loads, and the orbit that it is on.  sky : what attitudes may be told by.
     initial : attitude and rate at the plan's start; None where they do not matter.
     floor : [J], least charge of the battery; -inf without.
     Raises `ScenarioError`, which names the task.
@@ -50,8 +51,7 @@ def read_tasks(
     flown = satellite.orbit
     dated = flown is not None and has_date(document.get("orbit", {}))
     days = float(flown.days) if flown is not None and dated else None
-    frame = None if flown is None else lambda time: orbit_frame(flown, time)
-    setting = Setting(satellite.craft, step, days, frame)
+    setting = Setting(satellite.craft, step, sky, days)
     tables = [task_table(data, origin, index) for index, data in enumerate(given)]
     tasks: list[Task] = []
     before = 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+from jaxatt.problems.reading.schema import POSE_KEYS
 
 TASK_KEYS = (
     "name",
@@ -14,8 +14,9 @@ TASK_KEYS = (
     "duration_s",
     "step_s",
     "intervals",
-    *ATTITUDE_KEYS,
+    *POSE_KEYS,
     "frame",
+    "rate",
     "rate_rad_s",
     "rate_deg_s",
     "attitude_tolerance_deg",

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from jaxatt.problems.along_orbit import to_inertial
 from jaxatt.problems.net_power.plan.reading.schema import TASK_KEYS
 from jaxatt.problems.net_power.plan.reading.times import read_span
 from jaxatt.problems.net_power.plan.task import (
@@ -20,21 +20,23 @@ from jaxatt.problems.net_power.plan.task import (
     Site,
     Task,
 )
-from jaxatt.problems.net_power.pose import Pose, product
-from jaxatt.problems.reading.attitudes import attitude_given, read_attitude
+from jaxatt.problems.net_power.pose import Pose, angle_between
+from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.attitudes import attitude_given
+from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
 from jaxatt.problems.reading.settings import MOST_INTERVALS
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
-OrbitFrame = Callable[[float], Pose]
-"""Attitude q_io and rate omega_io, in orbit axes, of the orbit frame at a time [s]."""
-
 _WHOLE = 1e-6
-_HELD = ("frame", "rate_rad_s", "rate_deg_s", *ATTITUDE_KEYS)
+_RATES = ("rate_rad_s", "rate_deg_s")
+_HELD = ("frame", "rate", *_RATES, *POSE_KEYS)
 _BEGINS = ("attitude_tolerance_deg", "rate_tolerance_rad_s", "wheel_speed_rad_s")
-_ATTITUDES = ("inertial", "orbit")
+_FRAMES = ("inertial", "orbit")
+_AWAY = math.radians(0.1)
+"""By which directions may leave a task that holds its attitude before it is told."""
 
 
 def task_table(data: Any, origin: str, index: int) -> Table:
@@ -49,13 +51,14 @@ class Setting:
     """What the tasks of a plan are read against.
 
     craft : whose loads and wheels count.  step : [s], length of an interval unless a task says
-    otherwise.  days : epoch, days since J2000; None without.  orbit : None without an orbit.
+    otherwise.  sky : what attitudes may be told by, in inertial axes.
+    days : epoch of the clock, days since J2000; None without.
     """
 
     craft: Spacecraft
     step: float
+    sky: Sky
     days: float | None = None
-    orbit: OrbitFrame | None = None
 
 
 def read_task(table: Table, before: float, setting: Setting, notes: list[str]) -> Task:
@@ -69,7 +72,7 @@ def read_task(table: Table, before: float, setting: Setting, notes: list[str]) -
         start=start,
         duration=end - start,
         intervals=_intervals(table, end - start, setting.step, notes),
-        pose=_pose(table, mode, start, setting.orbit, notes),
+        pose=_pose(table, mode, start, end, setting.sky, notes),
         attitude_tolerance=math.radians(
             table.number("attitude_tolerance_deg", 0.1, above=0.0, at_most=180.0)
         ),
@@ -99,9 +102,9 @@ def _intervals(table: Table, duration: float, step: float, notes: list[str]) -> 
 
 
 def _pose(
-    table: Table, mode: str, start: float, orbit: OrbitFrame | None, notes: list[str]
+    table: Table, mode: str, start: float, end: float, sky: Sky, notes: list[str]
 ) -> Pose | None:
-    """Read attitude and rate in inertial axes."""
+    """Read attitude and rate in inertial axes with which a task begins."""
     if mode == HARVEST:
         for key in (*_HELD, *_BEGINS, "target_deg"):
             if key in table:
@@ -118,17 +121,37 @@ def _pose(
             if key in table:
                 table.fail(key, "given without an attitude", "add attitude_quaternion, or drop it")
         return None
-    relative = table.choice("frame", _ATTITUDES, "inertial") == "orbit"
-    q, rate = read_attitude(table, notes), _rate(table, mode)
-    if not relative:
-        return Pose(q, rate)
-    if orbit is None:
+    frame = table.choice("frame", _FRAMES, "inertial")
+    if frame == "orbit" and sky.motion is None:
         table.fail("frame", "there is no orbit", 'add [orbit], or use frame = "inertial"')
-    frame = orbit(start)
-    inverse = q * np.array([1.0, -1.0, -1.0, -1.0])
-    twice = 2.0 * np.cross(inverse[1:], frame.omega_ib)
-    turned = frame.omega_ib + inverse[0] * twice + np.cross(inverse[1:], twice)
-    return Pose(product(frame.q_ib, q), rate + turned)
+    sky = replace(sky, frame=frame)
+    if not any(key in table for key in AIM_KEYS):
+        return _pose_at(table, mode, sky, start, notes)
+    middle = 0.5 * (start + end)
+    # The ends first: a place that sets is refused before anything is told of it.
+    asked = [_pose_at(table, mode, sky, time, []) for time in (start, end)]
+    pose = _pose_at(table, mode, sky, middle, notes)
+    held = [pose.after(time - middle) for time in (start, end)]
+    away = max(angle_between(a.q_ib, b.q_ib) for a, b in zip(asked, held, strict=True))
+    if away > _AWAY:
+        notes.append(
+            f"{table.label} points as asked in its middle; at its ends its directions are up to "
+            f"{math.degrees(away):.3g} deg away"
+        )
+    return held[0]
+
+
+def _pose_at(table: Table, mode: str, sky: Sky, time: float, notes: list[str]) -> Pose:
+    """Read inertial attitude and rate at a time [s]."""
+    for key in _RATES:
+        if "rate" in table and key in table:
+            table.fail("rate", f"given beside {key}", "keep one of the two and drop the other")
+    q, rate = read_state(table, notes, sky, time)
+    if "rate" not in table:
+        rate = _rate(table, mode)
+    motion = sky.motion if sky.frame == "orbit" else None
+    found = to_inertial(motion, np.array([time]), q[None], rate[None])
+    return Pose(found[0][0], found[1][0])
 
 
 def _rate(table: Table, mode: str) -> Floats:
