@@ -14,6 +14,7 @@ from jaxatt.problems.registry import families
 from jaxatt.report.plots import Figures
 
 MOST_TASKS = 100_000
+FAILED_WHEELS = "vehicle.wheels.failed"
 
 
 class Terminal(StrEnum):
@@ -46,6 +47,15 @@ Seed = Annotated[
     int | None,
     typer.Option(
         min=0, max=MOST_SEED, help="Seed of the random starts.", show_default="the scenario's"
+    ),
+]
+FailedWheels = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--failed-wheel",
+        metavar="NAME",
+        help='A wheel that does not work, such as "wheel 2"; once for each.',
+        show_default="the scenario's",
     ),
 ]
 Out = Annotated[

@@ -16,9 +16,11 @@ from jaxatt.cli.common import (
     prepared,
 )
 from jaxatt.cli.options import (
+    FAILED_WHEELS,
     Cache,
     Case,
     Coordinator,
+    FailedWheels,
     JoinTimeout,
     NoCache,
     Out,
@@ -61,6 +63,7 @@ def pareto(
     ] = None,
     starts: Starts = None,
     seed: Seed = None,
+    failed_wheel: FailedWheels = None,
     out: Out = None,
     compile_cache: Cache = None,
     no_cache: NoCache = False,
@@ -75,7 +78,7 @@ def pareto(
         given = None if values is None else numbers(values, "--values")
         asked = front_request(over, points, given)
         joining = Joining(coordinator, processes, process, join_timeout)
-        scenario, folder = prepared(case, {}, out, joining)
+        scenario, folder = prepared(case, {FAILED_WHEELS: failed_wheel}, out, joining)
         flown = asked.points * (starts or min(STARTS, scenario.solver.starts))
         with Reporter(flown, quiet or not writes()) as report:
             found = find(

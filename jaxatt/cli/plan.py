@@ -9,10 +9,12 @@ import typer
 
 from jaxatt.cli.common import NOT_REACHED, computing, finish, finish_result, prepared
 from jaxatt.cli.options import (
+    FAILED_WHEELS,
     Cache,
     Case,
     Coordinator,
     Drawn,
+    FailedWheels,
     JoinTimeout,
     NoCache,
     Out,
@@ -52,6 +54,7 @@ def plan(
             show_default=False,
         ),
     ] = None,
+    failed_wheel: FailedWheels = None,
     figures: Drawn = Figures.overview,
     out: Out = None,
     compile_cache: Cache = None,
@@ -63,7 +66,12 @@ def plan(
     quiet: Quiet = False,
 ) -> None:
     """Plan tasks that earn the most energy, fly the plan, write summary, archive and figures."""
-    changes = {"solver.starts": starts, "solver.seed": seed, "plan.joint": joint}
+    changes = {
+        "solver.starts": starts,
+        "solver.seed": seed,
+        "plan.joint": joint,
+        FAILED_WHEELS: failed_wheel,
+    }
     with computing(compile_cache, no_cache):
         joining = Joining(coordinator, processes, process, join_timeout)
         scenario, folder = prepared(case, changes, out, joining)

@@ -8,13 +8,13 @@ from typing import Annotated
 import typer
 
 from jaxatt.cli.common import NOT_REACHED, complain, computing, finish
-from jaxatt.cli.options import Cache, Flight, NoCache, Out, Quiet
+from jaxatt.cli.options import FAILED_WHEELS, Cache, FailedWheels, Flight, NoCache, Out, Quiet
 from jaxatt.pipeline.simulate import simulate as run
 from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.report.flight_table import flight_table
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
-from jaxatt.scenarios import load_flight
+from jaxatt.scenarios import load_flight, replace_in_flight
 from jaxatt.scenarios.flight_tables import MOST_RUNS
 
 
@@ -37,6 +37,7 @@ def simulate(
         int | None,
         typer.Option(min=0, max=MOST_SEED, help="Seed of the runs.", show_default="the flight's"),
     ] = None,
+    failed_wheel: FailedWheels = None,
     out: Out = None,
     compile_cache: Cache = None,
     no_cache: NoCache = False,
@@ -45,6 +46,8 @@ def simulate(
     """Fly a feedback law, once or in a campaign of thousands of runs."""
     with computing(compile_cache, no_cache):
         flight = load_flight(case)
+        if failed_wheel is not None:
+            flight = replace_in_flight(flight, {FAILED_WHEELS: failed_wheel})
         folder = prepare_folder(out or Path("results") / flight.name)
 
         with Reporter(runs or 1, quiet) as report:

@@ -15,10 +15,12 @@ from jaxatt.cli.common import (
     shortfall,
 )
 from jaxatt.cli.options import (
+    FAILED_WHEELS,
     Cache,
     Case,
     Coordinator,
     Drawn,
+    FailedWheels,
     JoinTimeout,
     NoCache,
     Objective,
@@ -46,6 +48,7 @@ def solve(
         typer.Option(help="Reach the target, or minimise the printed cost.", show_default=False),
     ] = None,
     objective: Objective = None,
+    failed_wheel: FailedWheels = None,
     figures: Drawn = Figures.overview,
     out: Out = None,
     compile_cache: Cache = None,
@@ -62,6 +65,7 @@ def solve(
         "solver.seed": seed,
         "objective.terminal": None if terminal is None else terminal.value,
         "objective.kind": objective,
+        FAILED_WHEELS: failed_wheel,
     }
     with computing(compile_cache, no_cache):
         joining = Joining(coordinator, processes, process, join_timeout)

@@ -22,7 +22,7 @@ def broken_speeds(wheels: ReactionWheels, excess: Floats, tolerance: float) -> l
     """Words on each wheel that turns faster than it may; excess : (n,), as `speed_excess`."""
     limits = np.broadcast_to(np.asarray(wheels.speed_limit, float), excess.shape)
     return [
-        f"wheel {i + 1} turns {100.0 * over:.3g} % faster than its limit of {limit:g} rad/s"
-        for i, (over, limit) in enumerate(zip(excess, limits, strict=True))
+        f"{name} turns {100.0 * over:.3g} % faster than its limit of {limit:g} rad/s"
+        for name, over, limit in zip(wheels.names, excess, limits, strict=True)
         if over > tolerance
     ]

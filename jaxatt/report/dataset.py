@@ -15,6 +15,8 @@ from jaxatt.records.labels import Label, Variable, labelled
 from jaxatt.records.phase import Phase
 from jaxatt.records.timeline import at_nodes, node_times
 from jaxatt.report.family import sections_of
+from jaxatt.report.wheel_coordinates import wheel_coordinates
+from jaxatt.spacecraft.wheels import no_wheels
 
 if TYPE_CHECKING:
     import xarray
@@ -62,7 +64,7 @@ def to_dataset(result: Answer) -> xarray.Dataset:
                 | _fine_times(phase, "fine_node_time")
                 | _coasting(phase)
             ),
-            _coordinates(phase)
+            _coordinates(phase, result)
             | (_coasting(phase) if together else {})
             | dict(sections.coordinates(phase))
             | (_times(phase) | _fine_times(phase) if together else _numbers(phase)),
@@ -81,7 +83,7 @@ def to_dataset(result: Answer) -> xarray.Dataset:
     return dataset.assign_attrs(_attributes(result, sections))
 
 
-def _coordinates(phase: Phase) -> dict[str, Variable]:
+def _coordinates(phase: Phase, result: Answer) -> dict[str, Variable]:
     count = len(phase.active)
     coordinates: dict[str, Variable] = {
         "interval": (("interval",), np.arange(count), {"long_name": "control interval"}),
@@ -99,8 +101,8 @@ def _coordinates(phase: Phase) -> dict[str, Variable]:
     if "q_ob" in phase.series:
         coordinates["axis"] = (("axis",), ["x", "y", "z"], {"long_name": "body axis"})
         if "omega_bw" in phase.series:
-            count = phase.series["omega_bw"].shape[1]
-            coordinates["wheel"] = (("wheel",), np.arange(1, count + 1), {"long_name": "wheel"})
+            vehicle = result.scenario.vehicle
+            coordinates |= wheel_coordinates(no_wheels() if vehicle is None else vehicle.wheels)
         if "torque_thrusters" in phase.series:
             count = phase.series["torque_thrusters"].shape[1]
             words = {"long_name": "thruster"}

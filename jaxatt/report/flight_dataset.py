@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxatt.report.flight_record import ENDINGS, FlightRecord
 from jaxatt.report.flight_summary import AXES
+from jaxatt.report.wheel_coordinates import wheel_coordinates
 from jaxatt.simulation.settling import CHANNELS
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def flight_dataset(result: FlightRecord) -> xarray.Dataset:
             "time": ("time", result.record_times, {"units": "s"}),
             "axis": list(AXES),
             "quaternion": ["eta", "eps_x", "eps_y", "eps_z"],
-            "wheel": np.arange(1, result.scenario.vehicle.wheels.count + 1),
+            **wheel_coordinates(result.scenario.vehicle.wheels),
             "channel": list(CHANNELS),
         },
         attrs={

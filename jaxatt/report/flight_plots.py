@@ -30,7 +30,7 @@ def angles(result: FlightRecord) -> Floats:
 
 def _series(result: FlightRecord) -> list[tuple[str, Floats, list[str]]]:
     flown = result.flown.recorded
-    wheels = [f"wheel {k + 1}" for k in range(result.scenario.vehicle.wheels.count)]
+    wheels = list(result.scenario.vehicle.wheels.names)
     start = np.asarray(result.scenario.initial.omega_bw)
     rows = [
         ("attitude error\n[deg]", angles(result), list(AXES)),

@@ -99,10 +99,9 @@ def relative_rate(axes: Axes, result: Answer) -> None:
 def wheel_speeds(axes: Axes, result: Answer) -> None:
     """Draw the speed of each wheel relative to the body, with limits where there are any."""
     line = timeline(result.phases)
-    speeds = line.nodes["omega_bw"] * _RPM
-    lines(axes, line.time, speeds, [f"wheel {i + 1}" for i in range(speeds.shape[1])])
     vehicle = result.scenario.vehicle
     if vehicle is not None:
+        lines(axes, line.time, line.nodes["omega_bw"] * _RPM, vehicle.wheels.names)
         most = np.asarray(vehicle.wheels.speed_limit) * _RPM
         limits(axes, np.unique(most[np.isfinite(most)]))
     axes.set_ylabel("wheel speeds\n[rpm]")
@@ -120,7 +119,7 @@ def torque_rows(result: Answer, kind: str) -> list[tuple[Floats, str, float]]:
         names = [rf"$\tau_{{b,{axis}}}$" for axis in AXES]
     else:
         limit = np.asarray(vehicle.wheels.torque_limit)
-        names = [rf"$\tau_{{w,{i + 1}}}$" for i in range(len(limit))]
+        names = [rf"$\tau_{{w,{place + 1}}}$" for place in vehicle.wheels.working]
     values = timeline(result.phases).intervals[f"torque_{kind}"]
     rows = zip(values.T * 1e3, names, limit * 1e3, strict=True)
     return [(row, name, float(most)) for row, name, most in rows]

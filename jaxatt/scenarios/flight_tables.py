@@ -23,6 +23,7 @@ from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import POSE_KEYS
+from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Orbit
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
@@ -216,10 +217,9 @@ def read_dumping(
             "momentum dumping needs the Earth's magnetic field",
             "add [orbit] and an epoch under [environment], or drop [dumping]",
         )
-    count = vehicle.wheels.count
     return MomentumDumping(
         table.number("gain_1_s", above=0.0, example="1.5e-2"),
-        jnp.asarray(table.vector("wheel_speed_rad_s", count, np.zeros(count))),
+        jnp.asarray(read_wheel_speeds(table, vehicle.wheels)),
         table.choice("form", ("effective", "printed"), "effective") == "printed",
     )
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
+import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,19 +13,25 @@ import numpy as np
 
 from jaxatt.attitude.vectors import matvec
 from jaxatt.spacecraft.checks import FieldError, Float64, brief, finite_array, positive_per_item
+from jaxatt.spacecraft.wheel_envelope import envelope_share, spanned_directions
 
 Array = jax.Array | Float64
 
 # Rounded axes such as 0.57735 are meant as unit vectors: only a larger deviation earns a note.
 _UNIT_TOLERANCE = 1e-5
-# Below this ratio of singular values the allocation would multiply torques by more than 1e6.
-_RANK_TOLERANCE = 1e-6
 
 
-@jax.tree_util.register_dataclass
+@functools.partial(
+    jax.tree_util.register_dataclass,
+    data_fields=["axes", "inertia", "torque_limit", "speed_limit", "efficiency", "regeneration"],
+    meta_fields=[],
+    drop_fields=["mounted", "failed"],
+)
 @dataclass(frozen=True, eq=False)
 class ReactionWheels:
-    """Reaction wheels; build them with `reaction_wheels`, which checks the numbers.
+    """Reaction wheels that work; build them with `reaction_wheels`, which checks the numbers.
+
+    Names are for reports on the host only: transformations drop them, so that none recompiles.
 
     Attributes
     ----------
@@ -40,6 +47,10 @@ class ReactionWheels:
         Mechanical power of a drive as a share of the electrical power that it draws.
     regeneration : () array
         Share of the braking power that the drives recover, between 0 and 1.
+    mounted : tuple of str
+        Names of all wheels that are mounted; empty for "wheel 1", "wheel 2" and so on.
+    failed : tuple of str
+        Those of them that do not work: their columns are left out of every array above.
     """
 
     axes: Array
@@ -48,11 +59,29 @@ class ReactionWheels:
     speed_limit: Array
     efficiency: Array | float = 1.0
     regeneration: Array | float = 0.0
+    mounted: tuple[str, ...] = ()
+    failed: tuple[str, ...] = ()
 
     @property
     def count(self) -> int:
-        """Number of wheels."""
+        """Number of wheels that work."""
         return int(self.axes.shape[-1])
+
+    @property
+    def mounted_names(self) -> tuple[str, ...]:
+        """Names of all wheels, failed ones among them."""
+        return self.mounted or tuple(f"wheel {place + 1}" for place in range(self.count))
+
+    @property
+    def working(self) -> tuple[int, ...]:
+        """Places of the wheels that work among all that are mounted, counted from 0."""
+        names = enumerate(self.mounted_names)
+        return tuple(place for place, name in names if name not in self.failed)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the wheels that work, in the order of all arrays."""
+        return tuple(self.mounted_names[place] for place in self.working)
 
     @property
     def allocation(self) -> Array:
@@ -118,21 +147,10 @@ def storage_share(wheels: ReactionWheels, stored: Any) -> float:
     Returns
     -------
     float
-        Greater than 1 where no speeds within the limits hold it. The momenta that can be held
-        form a zonotope; its faces are parallel to two wheel axes each.
+        Greater than 1 where no speeds within the limits hold it.
     """
-    axes = np.asarray(wheels.axes)
     most = np.asarray(wheels.inertia) * np.asarray(wheels.speed_limit)
-    share = 0.0
-    for first, second in itertools.combinations(axes.T, 2):
-        normal = np.cross(first, second)
-        across = np.abs(normal @ axes)
-        if across.max() < _RANK_TOLERANCE:
-            continue
-        turned = across > _RANK_TOLERANCE * across.max()
-        reach = float(across[turned] @ most[turned])
-        share = max(share, abs(float(normal @ np.asarray(stored))) / reach)
-    return share
+    return envelope_share(np.asarray(wheels.axes), most, np.asarray(stored))
 
 
 def reaction_wheels(
@@ -143,6 +161,7 @@ def reaction_wheels(
     efficiency: Any = 1.0,
     regeneration: Any = 0.0,
     *,
+    names: Sequence[str] = (),
     notes: list[str] | None = None,
 ) -> ReactionWheels:
     """Return checked reaction wheels.
@@ -159,6 +178,8 @@ def reaction_wheels(
         Of the drives, greater than 0 and at most 1.
     regeneration : float
         Share of the braking power that the drives recover, from 0 to 1.
+    names : sequence of str
+        One for each wheel; "wheel 1", "wheel 2" and so on by default.
     notes : list of str, optional
         Receives a line for every axis whose length was not 1.
 
@@ -176,7 +197,18 @@ def reaction_wheels(
         speed_limit=positive_per_item("speed_limit", speed_limit, count, infinite=True),
         efficiency=_share("efficiency", efficiency),
         regeneration=_share("regeneration", regeneration, zero=True),
+        mounted=_names(names, count),
     )
+
+
+def _names(names: Sequence[str], count: int) -> tuple[str, ...]:
+    if not names:
+        return ()
+    if len(names) != count:
+        raise FieldError("names", f"has {len(names)} names; give one for each of {count} wheels")
+    if len(set(names)) < count or not all(name.strip() for name in names):
+        raise FieldError("names", "are not told apart; give every wheel a name of its own")
+    return tuple(names)
 
 
 def _share(field: str, value: Any, *, zero: bool = False) -> Float64:
@@ -205,14 +237,11 @@ def _unit_axes(axes: Any, notes: list[str]) -> Float64:
                 f"wheel axis {index + 1} was scaled to unit length; its length was {length:.6g}"
             )
     unit: Float64 = array / lengths[None, :]
-    left, singular, _ = np.linalg.svd(unit)
-    smallest = singular[2] if singular.size == 3 else 0.0
-    if smallest < _RANK_TOLERANCE * singular[0]:
-        blind = ", ".join(f"{component:.3g}" for component in left[:, 2] + 0.0)
-        rank = int((singular >= _RANK_TOLERANCE * singular[0]).sum())
+    spanned, blind = spanned_directions(unit)
+    if spanned < 3:
         raise FieldError(
             "axes",
-            f"the {array.shape[1]} wheel axes span {rank} of the three directions: no wheel can "
+            f"the {array.shape[1]} wheel axes span {spanned} of the three directions: no wheel can "
             f"turn the body about ({blind}); add or tilt a wheel so that the axes span all three",
         )
     return unit

@@ -17,6 +17,7 @@ NAMES = (
     "hypso1-90-0-0",
     "hypso1-90-0-0-free",
     "hypso1-90-45-15",
+    "hypso1-90-45-15-failed-wheel",
     "hypso1-90-45-15-keep-out",
     "hypso1-90-45-15-perturbed",
     "hypso1-ground-site",
@@ -85,7 +86,10 @@ def test_every_case_loads_and_says_where_it_comes_from(name):
         assert len(case.notes) == 1 and "was normalised" in case.notes[0]  # as printed
         return
     assert "Schaanning (2021)" in case.source
-    assert case.notes == ()
+    if name.endswith("failed-wheel"):
+        assert len(case.notes) == 1 and "wheel 2 has failed" in case.notes[0]
+    else:
+        assert case.notes == ()
     assert case.solver.starts == (64 if case.system == scenarios.SPACECRAFT else 16)
     assert case.solver.seed == 0
     assert case.objective.kind == "l0"

@@ -17,10 +17,11 @@ def broken_margins(manoeuvre: Manoeuvre, flight: PoweredFlight, row: int) -> lis
 
     row : of some flights of the manoeuvre.
     """
-    most = np.asarray(manoeuvre.satellite.craft.wheels.speed_limit)
+    wheels = manoeuvre.satellite.craft.wheels
+    most = np.asarray(wheels.speed_limit)
     over = flight.fastest[row] / most - 1.0
     found = [
-        f"wheel {index + 1} exceeds its speed limit of {most[index]:g} rad/s by "
+        f"{wheels.names[index]} exceeds its speed limit of {most[index]:g} rad/s by "
         f"{100.0 * over[index]:.3g} %"
         for index in np.flatnonzero(over > Verdict.MARGIN_TOLERANCE)
     ]

@@ -162,6 +162,13 @@ class Table:
             self.fail(key, "must be a text", "write it in quotes")
         return value
 
+    def texts(self, key: str, example: str) -> tuple[str, ...]:
+        """Return a list of texts that are not empty; none without the key."""
+        value = self.data.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(v, str) and v.strip() for v in value):
+            self.fail(key, "must be a list of texts", f"write {key} = {example}")
+        return tuple(value)
+
     def choice(self, key: str, options: tuple[str, ...], default: str) -> str:
         """Return one of the options."""
         value = self.data.get(key, default)

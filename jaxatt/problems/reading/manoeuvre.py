@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.reading.aims import read_state
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon
 from jaxatt.spacecraft import Spacecraft
-from jaxatt.spacecraft.checks import Float64
 
 
 def nearest_whole(value: float) -> int:
@@ -28,15 +26,7 @@ def read_initial(
 ) -> InitialState:
     """Read the initial state of a spacecraft; sky : what its attitude may be told by."""
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
-    count = vehicle.wheels.count
-    speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
-    limits: Float64 = np.asarray(vehicle.wheels.speed_limit)
-    if (np.abs(speeds) > limits).any():
-        table.fail(
-            "wheel_speed_rad_s",
-            f"exceeds the speed limit {limits.tolist()} rad/s",
-            "start slower or raise [vehicle.wheels] speed_limit_rad_s",
-        )
+    speeds = read_wheel_speeds(table, vehicle.wheels)
     return InitialState(*read_state(table, notes, sky, 0.0), speeds)
 
 

@@ -58,6 +58,8 @@ WHEEL_KEYS = (
     "speed_limit_rad_s",
     "efficiency",
     "regeneration",
+    "names",
+    "failed",
 )
 MAGNETORQUER_KEYS = (
     "dipole_limit_Am2",

@@ -15,20 +15,26 @@ from jaxatt.spacecraft import (
     reaction_wheels,
     thrusters,
 )
+from jaxatt.spacecraft.failed_wheels import loss_sentence, without
 
 
 def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
     """Read [vehicle.wheels]; None without it.
 
-    notes : receives a line for each axis that was scaled to unit length.
+    notes : receives a line for each axis that was scaled to unit length, and one on what is left
+        where wheels have failed.
     """
     if "wheels" not in vehicle:
         return None
     table = part(vehicle, "wheels")
+    names = table.texts("names", '["roll wheel", "pitch wheel", "yaw wheel"]')
+    failed = table.texts("failed", '["wheel 2"]')
+    if set(table.data) == {"failed"}:
+        table.fail("failed", "the vehicle has no wheels", "drop it")
     axes = read_wheel_axes(table)
     inertia = table.require("inertia_kgm2", "2.1e-4")
     limit = table.require("torque_limit_Nm", "3e-3")
-    return checked(
+    whole = checked(
         table,
         lambda: reaction_wheels(
             axes,
@@ -37,9 +43,15 @@ def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
             table.data.get("speed_limit_rad_s", np.inf),
             table.data.get("efficiency", 1.0),
             table.data.get("regeneration", 0.0),
+            names=names,
             notes=notes,
         ),
     )
+    if not failed:
+        return whole
+    left = checked(table, lambda: without(whole, failed))
+    notes.append(loss_sentence(whole, left))
+    return left
 
 
 def read_thrusters(vehicle: Table) -> Thrusters | None:

@@ -87,7 +87,7 @@ def time_record(
         series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
     if task.craft.thrusters.count:
         series["torque_thrusters"] = torque[:, n:]
-    names = tuple(f"wheel {i + 1}" for i in range(n)) + tuple(
+    names = task.craft.wheels.names + tuple(
         f"thruster {i + 1}" for i in range(task.craft.thrusters.count)
     )
     wheels, thrusters = task.craft.wheels, task.craft.thrusters

@@ -176,7 +176,7 @@ class SlewTask(SparseTask):
     @property
     def path_names(self) -> tuple[str, ...]:
         """Names of wheel speed limits, then of cones and rate limits, at nodes 1 to N."""
-        return path_names(self.form, self.pointing, self.craft.wheels.count, self.intervals)
+        return path_names(self.form, self.pointing, self.craft.wheels.names, self.intervals)
 
     def aiming_at(self, targets: Floats) -> SlewTask:
         """The same slew as a batch whose rows have targets q_ob (S, 4) of their own."""

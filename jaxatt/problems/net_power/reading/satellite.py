@@ -23,6 +23,7 @@ from jaxatt.problems.reading.dates import (
 )
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.light import read_light
+from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import motion_of
 from jaxatt.spacecraft import Spacecraft
@@ -116,8 +117,7 @@ def _magnetorquing(
         table.fail("mode", "there is no [orbit], so no magnetic field", "add [orbit] with an epoch")
     if mode == "decided":
         return None, True
-    count = craft.wheels.count
     return MomentumManagement(
         gain=table.number("gain", above=0.0, example="5.0"),
-        wheel_speed=table.vector("wheel_speed_rad_s", count, np.zeros(count)),
+        wheel_speed=read_wheel_speeds(table, craft.wheels),
     ), False

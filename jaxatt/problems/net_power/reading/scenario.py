@@ -29,6 +29,7 @@ from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.settings import MOST_INTERVALS, read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
+from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon, Orbit, Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
@@ -185,9 +186,7 @@ def _initial(
     data: Any, origin: str, craft: Spacecraft, sky: Sky, notes: list[str]
 ) -> tuple[InitialState, str]:
     table = Table(data, origin, "[initial]", NET_POWER_TABLES["initial"])
-    count = craft.wheels.count
-    speeds = table.vector("wheel_speed_rad_s", count, np.zeros(count))
-    _check_speeds(table, speeds, craft)
+    speeds = read_wheel_speeds(table, craft.wheels)
     if "aem_file" in table:
         refuse_beside_file(table, ("frame",))
     sky = _framed(table, sky)
@@ -201,8 +200,7 @@ def _target(
     table = Table(data, origin, "[target]", NET_POWER_TABLES["target"])
     speeds = None
     if "wheel_speed_rad_s" in table:
-        speeds = table.vector("wheel_speed_rad_s", craft.wheels.count)
-        _check_speeds(table, speeds, craft)
+        speeds = read_wheel_speeds(table, craft.wheels)
     sky = _framed(table, sky)
     if not attitude_given(table):
         for key in ("rate_rad_s", "rate"):
@@ -223,16 +221,6 @@ def _target(
         sky.frame,
         speeds,
     )
-
-
-def _check_speeds(table: Table, speeds: Floats, craft: Spacecraft) -> None:
-    limits = np.asarray(craft.wheels.speed_limit)
-    if (np.abs(speeds) > limits).any():
-        table.fail(
-            "wheel_speed_rad_s",
-            f"exceeds the speed limit {limits.tolist()} rad/s",
-            "choose slower wheels or raise [vehicle.wheels] speed_limit_rad_s",
-        )
 
 
 def _floor(data: Any, origin: str, craft: Spacecraft) -> float:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.plan.report.ground_track import ground_track
 from jaxatt.problems.net_power.plan.report.timeline import timeline_figure
@@ -22,9 +20,9 @@ def overview(answer: Answer) -> Picture | None:
         return None
     found = answer.phases[0].section.headline(answer.phases)
     vehicle = answer.scenario.vehicle
-    limit = None if vehicle is None else np.asarray(vehicle.wheels.speed_limit)
+    wheels = None if vehicle is None else vehicle.wheels
     title = f"{answer.scenario.title}\n{found}, {answer.status}"
-    return timeline_figure(course_of(answer), title, limit)
+    return timeline_figure(course_of(answer), title, wheels)
 
 
 def figures(answer: Answer) -> Mapping[str, Callable[[], Picture]]:

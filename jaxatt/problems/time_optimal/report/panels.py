@@ -50,15 +50,12 @@ def modified_rodrigues(axes: Axes, result: Answer) -> None:
 
 def mark_switches(axes: Axes, result: Answer, kind: str, only: int | None = None) -> None:
     """Draw dotted lines where a torque of "wheels" or "thrusters" switches; only : one of them."""
+    vehicle = result.scenario.vehicle
+    assert vehicle is not None
+    count = vehicle.wheels.count
+    shown = {"wheels": slice(count), "thrusters": slice(count, None)}.get(kind, slice(0))
     for phase in result.phases:
-        optimum = time_optimum(phase)
-        word = {"wheels": "wheel", "thrusters": "thruster"}.get(kind)
-        rows = [
-            times
-            for name, times in zip(optimum.actuators, optimum.switch_times, strict=True)
-            if word is not None and name.startswith(word)
-        ]
-        for index, times in enumerate(rows):
+        for index, times in enumerate(time_optimum(phase).switch_times[shown]):
             if only not in (None, index):
                 continue
             for time in times:

@@ -27,6 +27,7 @@ from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
 from jaxatt.problems.reading.settings import MOST_INTERVALS
+from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -168,15 +169,7 @@ def _rate(table: Table, mode: str) -> Floats:
 def _speeds(table: Table, craft: Spacecraft) -> Floats | None:
     if "wheel_speed_rad_s" not in table:
         return None
-    speeds = table.vector("wheel_speed_rad_s", craft.wheels.count)
-    limits = np.asarray(craft.wheels.speed_limit)
-    if (np.abs(speeds) > limits).any():
-        table.fail(
-            "wheel_speed_rad_s",
-            f"exceeds the speed limit {limits.tolist()} rad/s",
-            "choose slower wheels or raise [vehicle.wheels] speed_limit_rad_s",
-        )
-    return speeds
+    return read_wheel_speeds(table, craft.wheels)
 
 
 def _site(table: Table, mode: str) -> Site | None:

@@ -13,7 +13,7 @@ from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.report.course import Course
 from jaxatt.problems.net_power.plan.task import COMMUNICATE, HARVEST, IDLE, IMAGE
-from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft.wheels import ReactionWheels, no_wheels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,15 +34,15 @@ _SHORT = 0.012
 Panel = Callable[["Axes", Course], None]
 
 
-def timeline_figure(course: Course, title: str, speed_limit: Floats | None = None) -> Picture:
+def timeline_figure(course: Course, title: str, wheels: ReactionWheels | None = None) -> Picture:
     """Draw a plan over time.
 
-    title : one line or two.  speed_limit : (n,) [rad/s], of the wheels.
+    title : one line or two.  wheels : their names and speed limits.
     """
     panels: list[tuple[Panel, float]] = [(_power, 1.3), (_energy, 1.3)]
     if np.isfinite(course.capacity):
         panels.append((_charge, 0.9))
-    panels += [(_rate, 0.8), (lambda axes, drawn: _speeds(axes, drawn, speed_limit), 1.2)]
+    panels += [(_rate, 0.8), (lambda axes, drawn: _speeds(axes, drawn, wheels), 1.2)]
     heights = [0.8, *(height for _, height in panels)]
     figure = picture(12.0, 1.55 * sum(heights), title)
     column = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
@@ -157,10 +157,11 @@ def _rate(axes: Axes, course: Course) -> None:
     axes.set_ylabel("rate [deg/s]")
 
 
-def _speeds(axes: Axes, course: Course, limit: Floats | None) -> None:
+def _speeds(axes: Axes, course: Course, wheels: ReactionWheels | None) -> None:
     speeds = course.wheel_speed * _RPM
-    lines(axes, course.time, speeds, [f"wheel {i + 1}" for i in range(speeds.shape[1])])
-    if limit is not None:
-        most = np.asarray(limit) * _RPM
+    names = no_wheels().names if wheels is None else wheels.names
+    lines(axes, course.time, speeds, names)
+    if wheels is not None:
+        most = np.asarray(wheels.speed_limit) * _RPM
         limits(axes, np.unique(most[np.isfinite(most)]))
     axes.set_ylabel("wheel speeds\n[rpm]")
