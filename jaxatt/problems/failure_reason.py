@@ -15,6 +15,7 @@ _ERROR_WORDS = {
     "rate": "the target rate",
     "waypoint": "the waypoint's attitude",
     "wheel speed": "the wheels' speed at the end",
+    "wheel bias": "the bias of the wheels at the end",
     "state": "the target state",
 }
 

@@ -36,7 +36,11 @@ class InitialState:
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Target of a manoeuvre or of one phase: as `InitialState`, with tolerances [rad, rad/s]."""
+    """Target of a manoeuvre or of one phase: as `InitialState`, with tolerances [rad, rad/s].
+
+    wheel_bias : (n,) [rad/s], wheel speeds beside those that the momentum asks for; None where
+        any will do.
+    """
 
     q_ob: Floats
     omega_ob: Floats
@@ -44,6 +48,8 @@ class Target:
     rate_tolerance: float
     state: Floats = field(default_factory=_no_state)
     state_tolerance: float = math.inf
+    wheel_bias: Floats | None = None
+    bias_tolerance: float = math.inf
 
 
 @dataclass(frozen=True, eq=False)

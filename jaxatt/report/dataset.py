@@ -33,9 +33,16 @@ _SERIES: Mapping[str, Label] = {
 _REFERENCES: Mapping[str, Label] = {
     "q_ob_reference": (("quaternion",), "1", "target attitude"),
     "waypoint": (("quaternion",), "1", "attitude to pass"),
+    "wheel_bias": (("wheel",), "rad/s", "wheel speeds at the end beside those of the momentum"),
     "omega_ob_reference": (("axis",), "rad/s", "target rate relative to the orbit frame"),
 }
-_ERROR_UNITS = {"attitude": "rad", "rate": "rad/s", "waypoint": "rad", "state": "1"}
+_ERROR_UNITS = {
+    "attitude": "rad",
+    "rate": "rad/s",
+    "waypoint": "rad",
+    "wheel bias": "rad/s",
+    "state": "1",
+}
 
 
 def to_dataset(result: Answer) -> xarray.Dataset:

@@ -17,7 +17,8 @@ class Turn:
     """From rate `begin` to attitude `target` (scalar first) and rate `end`, wheels still at first.
 
     axes : (3, n).  limit : [N m].  inertia, without_spin : (3, 3), with and without the wheels'
-    inertia about their axes.
+    inertia about their axes.  null_impulse : (n,) [N m s], of the wheels in the null space of the
+    axes until the end; None for any.
     """
 
     axes: np.ndarray
@@ -28,6 +29,7 @@ class Turn:
     begin: np.ndarray
     end: np.ndarray
     intervals: int
+    null_impulse: np.ndarray | None = None
 
     def step(self):
         """(state, wheel torques, h) -> next state by RK4; state is quaternion and rate."""
@@ -61,6 +63,9 @@ class Turn:
         opti.subject_to(missed == 0)
         opti.subject_to(x[4:, n] == ca.DM(self.end))
         opti.subject_to(opti.bounded(-self.limit, ca.vec(wheels), self.limit))
+        if self.null_impulse is not None:
+            basis = ca.DM(np.linalg.svd(self.axes)[2][3:])
+            opti.subject_to(basis @ (h * ca.sum2(wheels) - ca.DM(self.null_impulse)) == 0)
         half = np.arccos(np.clip(target[0], -1.0, 1.0)) * np.linspace(0.0, 1.0, n + 1)
         axis = target[1:] / np.linalg.norm(target[1:])
         opti.set_initial(x[:4, :], np.vstack([np.cos(half), np.outer(axis, np.sin(half))]))

@@ -74,6 +74,7 @@ class SparseFamily(Family):
     def check_certifiable(self, scenario: Scenario) -> None:
         if scenario.objective.kind == "l1":
             super().check_certifiable(scenario)
+        _refuse_bias(scenario, "a certificate is")
         reaching = replace(scenario, objective=replace(scenario.objective, terminal="reach"))
         task = self.build(reaching, PhaseStart())(reaching)
         if task.system.decided_by in (DecidedBy.STAGES, DecidedBy.LAGRANGIAN) or task.watches:
@@ -98,6 +99,7 @@ class SparseFamily(Family):
     def sensitive(
         self, scenario: Scenario, start: PhaseStart, found: SparseAnswer
     ) -> SensitiveAnswer:
+        _refuse_bias(scenario, "sensitivities are")
         build = self.build(scenario, start)
         task = found.task.keeping_path_limits_of(found.task)
         time = None if not scenario.horizon.free else task.final_time
@@ -135,7 +137,7 @@ class HandsOff(SparseFamily):
         return fly_slew(task, controls)
 
     def answer_targets(self, scenario: Scenario, targets: Floats) -> TargetAnswers | None:
-        several = scenario.horizon.free or scenario.waypoint is not None
+        several = scenario.horizon.free or scenario.waypoint is not None or _biased(scenario)
         if several or scenario.objective.kind != "l0":
             return None
         # Nothing is asked of what comes after the end.
@@ -144,3 +146,15 @@ class HandsOff(SparseFamily):
         if not batched or task.watches or task.goal.terminal != "reach" or not task.shared:
             return None
         return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed)
+
+
+def _biased(scenario: Scenario) -> bool:
+    return any(target.wheel_bias is not None for target in scenario.targets)
+
+
+def _refuse_bias(scenario: Scenario, what: str) -> None:
+    if _biased(scenario):
+        raise ScenarioError(
+            f"{scenario.name}: [target] wheel_bias_rad_s: {what} of the torques that turn the "
+            "body, to which those for the bias are added afterwards; drop it"
+        )

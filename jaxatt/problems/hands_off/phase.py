@@ -49,7 +49,8 @@ def phase_record(
     phase, state = _flown_phase(scenario, task, found, found.best, start_time, final_times, fly)
     if not phase.reached and found.reaching is not None:
         alternative, _ = _flown_phase(scenario, task, found, found.reaching, start_time, None, fly)
-        phase = replace(phase, alternative=alternative)
+        if alternative.reached:
+            phase = replace(phase, alternative=alternative)
     return phase, state
 
 
@@ -82,6 +83,9 @@ def _flown_phase(
     )
     certain = flown.flight_error is None or flown.flight_error.agreed
     reached = bool(verdict.reached[0]) and certain
+    active = np.any(task.active(controls[0]), axis=1)
+    if flown.bias is not None:
+        active |= flown.bias.added
     phase = Phase(
         family=scenario.family,
         start_time=start_time,
@@ -97,7 +101,7 @@ def _flown_phase(
         l1_effort=float(task.l1_effort(controls)[0]),
         reached=reached,
         failure_reason="" if reached else _failure_reason(task, answer, flown),
-        active=np.any(task.active(controls[0]), axis=1),
+        active=active,
         starts=record,
         pointing=flown.pointing,
         search_steps=task.substeps,
@@ -109,6 +113,7 @@ def _flown_phase(
             max_complementarity=float(product.max()),
             quantised=_valves(scenario, task, controls[0], float(answer.sign[0]), reached),
             final_times=final_times,
+            bias=flown.bias,
         ),
     )
     return phase, flown.end
@@ -158,6 +163,11 @@ def _failure_reason(task: SparseTask, answer: Candidates, flown: Flown) -> str:
         binding += (
             f"the search takes {plural(task.substeps, 'Runge-Kutta step')} an interval where "
             f"{task.needed_substeps} are needed: leave `substeps` out, or give as many",
+        )
+    if flown.bias is not None and flown.bias.share < 1.0:
+        binding += (
+            f"torque limits leave room for {100.0 * flown.bias.share:.3g} % of the change of the "
+            "wheels' bias in all intervals: give more of them, or ask for a smaller bias",
         )
     speeds: list[str] = []
     if isinstance(task, SlewTask) and task.has_speed_limits:

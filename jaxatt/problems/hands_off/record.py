@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from jaxatt.problems.hands_off.null_torque import NullTorque
 from jaxatt.records.phase import Phase, Section
 from jaxatt.records.wording import indices_text, plural
 from jaxatt.runtime.arrays import Flags, Floats
@@ -77,6 +78,7 @@ class SparseSection(Section):
     quantised : the answer with thrusters fully open or shut, as the scenario asks for, then the
         other way; empty without thrusters, or where it asks for none.
     final_times : the final times that were tried; None where it was fixed.
+    bias : torques for the wheels' bias at the end; None where none is asked for.
     """
 
     weight: Floats
@@ -85,6 +87,7 @@ class SparseSection(Section):
     max_complementarity: float
     quantised: tuple[Valves, ...] = ()
     final_times: FinalTimes | None = None
+    bias: NullTorque | None = None
 
     def weighted(self, active: Flags) -> float:
         """Sum of h_k over active intervals (N,)."""

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from jax import Array
 
 from jaxatt.optimize.reweighting.support import Mask
+from jaxatt.problems.hands_off.null_torque import NullTorque
 from jaxatt.problems.hands_off.sparse_program import SparseArguments, SparseSystem
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.verdict import Verdict
@@ -64,6 +65,7 @@ class Flown:
     reference : name -> target of a series.  end : state at the end of the horizon.
     pointing : None without cones and rate limits.
     flight_error : how wrong the flight can be; None where nothing turns.
+    bias : torques that were added for the wheels' bias; None where none is asked for.
     """
 
     verdict: Verdict
@@ -73,6 +75,7 @@ class Flown:
     end: InitialState
     pointing: PointingRecord | None = None
     flight_error: FlightError | None = None
+    bias: NullTorque | None = None
 
 
 class SparseTask(ABC):

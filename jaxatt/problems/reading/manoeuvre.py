@@ -11,9 +11,10 @@ from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.wheel_bias import read_bias
 from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon
-from jaxatt.spacecraft import Spacecraft
+from jaxatt.spacecraft import ReactionWheels, Spacecraft
 
 
 def nearest_whole(value: float) -> int:
@@ -31,7 +32,12 @@ def read_initial(
 
 
 def read_targets(
-    document: dict[str, Any], origin: str, notes: list[str], sky: Sky, horizon: Horizon
+    document: dict[str, Any],
+    origin: str,
+    notes: list[str],
+    sky: Sky,
+    horizon: Horizon,
+    wheels: ReactionWheels,
 ) -> tuple[Target, ...]:
     """Read the target, or one target for each of the [[legs]], each at the end of a horizon."""
     first = horizon.shortest if horizon.free else horizon.duration
@@ -42,14 +48,17 @@ def read_targets(
             "[[legs]] for successive ones"
         )
     if "legs" not in document:
-        return (read_target(document.get("target"), origin, "[target]", notes, sky, first, last),)
+        only = document.get("target")
+        return (read_target(only, origin, "[target]", notes, sky, first, last, wheels),)
     phases = document["legs"]
     if not isinstance(phases, list) or not phases:
         raise ScenarioError(
             f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
         )
     return tuple(
-        read_target(phase, origin, f"[[legs]] no. {leg}", notes, sky, leg * first, leg * last)
+        read_target(
+            phase, origin, f"[[legs]] no. {leg}", notes, sky, leg * first, leg * last, wheels
+        )
         for leg, phase in enumerate(phases, 1)
     )
 
@@ -62,10 +71,11 @@ def read_target(
     sky: Sky,
     first: float = 0.0,
     last: float = 0.0,
+    wheels: ReactionWheels | None = None,
 ) -> Target:
     """Read one target, from a table that messages call `label`.
 
-    first, last : [s] between which it is reached.
+    first, last : [s] between which it is reached.  wheels : whose bias may be asked for.
     """
     if data is None:
         raise ScenarioError(
@@ -79,6 +89,8 @@ def read_target(
         omega_ob=rate,
         attitude_tolerance=math.radians(tolerance),
         rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
+        wheel_bias=read_bias(table, wheels),
+        bias_tolerance=table.number("wheel_bias_tolerance_rad_s", 0.1, above=0.0),
     )
 
 

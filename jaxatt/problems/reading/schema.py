@@ -34,7 +34,15 @@ DIRECTION_KEYS = ("body", *TOWARD_KEYS)
 POSE_KEYS = (*ATTITUDE_KEYS, *AIM_KEYS)
 FILE_KEYS = ("aem_file", "at")
 """A CCSDS attitude file, and the moment (UTC) in it at which the scenario starts."""
-_TARGET = (*POSE_KEYS, "rate_rad_s", "rate", "attitude_tolerance_deg", "rate_tolerance_rad_s")
+_TARGET = (
+    *POSE_KEYS,
+    "rate_rad_s",
+    "rate",
+    "attitude_tolerance_deg",
+    "rate_tolerance_rad_s",
+    "wheel_bias_rad_s",
+    "wheel_bias_tolerance_rad_s",
+)
 _HORIZON = (
     "horizon_s",
     "intervals",

@@ -59,7 +59,7 @@ def resolve_switches(task: ReorientationTask, found: FreeTimeFound) -> Arcs | No
     """Arcs of the best answer; None where it is not bang-bang, or where that fails."""
     best, form = found.best, task.form
     plain = form.body.attitude == "quaternion" and form.body.integration == "rk4"
-    limited = form.cones or form.rate_limited or form.speed_limited
+    limited = form.cones or form.rate_limited or form.carries_impulses
     if not plain or limited or not found.reached[best] or found.step[best] == 0.0:
         return None
     lower, upper = task.actuation.lower, task.actuation.upper

@@ -33,6 +33,8 @@ class ReorientationParameters:
     limits : cones and rate limits.  directions : (m, 3), of the cones, in inertial axes.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
     to_wheels : (n, b) [1/s^2]; speed_limit : (n,) [rad/s].
+    null_momenta : (n - 3, n), of the wheels, which cancel in the body; wheel_bias : (n,) [rad/s],
+        speeds at the end in that space, where they are asked for.
     """
 
     body: FreeBody
@@ -56,3 +58,5 @@ class ReorientationParameters:
     wheel_inertia: Array
     to_wheels: Array
     speed_limit: Array
+    null_momenta: Array
+    wheel_bias: Array

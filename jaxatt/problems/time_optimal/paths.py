@@ -44,7 +44,7 @@ def states_along(
     parts = [attitude, omega]
     if form.body.momentum == "carried":
         parts.append(momentum / task.unit)
-    if form.speed_limited:
+    if form.carries_impulses:
         spent = np.cumsum(u * step[:, None, None], axis=1)
         parts.append(np.concatenate([np.zeros_like(u[:, :1]), spent], axis=1))
     parts.append(np.broadcast_to(np.log(step)[:, None, None], (*q.shape[:2], 1)))

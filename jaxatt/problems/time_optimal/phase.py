@@ -87,6 +87,9 @@ def time_record(
         series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
     if task.craft.thrusters.count:
         series["torque_thrusters"] = torque[:, n:]
+    reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
+    if task.target.wheel_bias is not None:
+        reference["wheel_bias"] = task.target.wheel_bias
     names = task.craft.wheels.names + tuple(
         f"thruster {i + 1}" for i in range(task.craft.thrusters.count)
     )
@@ -104,7 +107,7 @@ def time_record(
         step=step,
         controls=torque,
         series=series,
-        reference={"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob},
+        reference=reference,
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
         limit_violation=float(verdict.limit_violation[0]),

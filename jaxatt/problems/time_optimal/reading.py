@@ -72,7 +72,7 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
         without_orbit=f"kind = {objective.kind} is solved without an orbit, in the inertial frame: "
         "give direction_inertial or right_ascension_deg",
     )
-    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon)
+    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon, vehicle.wheels)
     control = _read_control(document.get("control", {}), origin)
     initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes, sky)
     _check_storable(origin, vehicle, initial, targets[0])

@@ -9,7 +9,8 @@ that no length is ever negative and the stages stay tied to their neighbours onl
 
 A state holds the attitude, omega_ib (3) [rad/s], where thrusters or wheels that turn at the start
 ask for it the total momentum (3) in body axes over the unit of inertia [rad/s], where wheel speeds
-are limited the impulse of every control [s], and the logarithm of the mean interval.
+are limited, or their bias is asked for, the impulse of every control [s], and the logarithm of the
+mean interval.
 """
 
 from __future__ import annotations
@@ -32,14 +33,23 @@ from jaxatt.simulation.free_body import BodyForm, step
 
 @dataclass(frozen=True)
 class ReorientationForm:
-    """Static choices, which are compiled in: the body's form, and which limits there are."""
+    """Static choices, which are compiled in: the body's form, and which limits there are.
+
+    biased : whether a bias of the wheels is asked for at the end.
+    """
 
     body: BodyForm
     shortest_limited: bool = False
     longest_limited: bool = False
     speed_limited: bool = False
+    biased: bool = False
     cones: int = 0
     rate_limited: bool = False
+
+    @property
+    def carries_impulses(self) -> bool:
+        """Whether wheel speeds matter, which follow from the impulses of the controls."""
+        return self.speed_limited or self.biased
 
 
 @functools.cache
@@ -48,7 +58,7 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
     body = form.body
     quaternion = body.attitude == "quaternion"
     carried, turn = body.size, body.attitude_size
-    impulses = size if form.speed_limited else 0
+    impulses = size if form.carries_impulses else 0
     closed = IntervalDerivatives(body, impulses, size)
     limited = form.cones or form.rate_limited or form.speed_limited
     time_limited = form.shortest_limited or form.longest_limited
@@ -67,9 +77,20 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         squared = jnp.sum((p.scale * u) ** 2)
         return share * jnp.exp(x[-1]) * (1.0 + p.effort_weight * squared)
 
+    def wheel_speeds(x: Array, p: ReorientationParameters) -> Array:
+        spun = jnp.sum(p.to_wheels * x[carried:-1][None], axis=1) / p.wheel_inertia
+        turned = jnp.sum(
+            p.wheel_axes * (x[turn : turn + 3] - p.start[turn : turn + 3])[:, None], axis=0
+        )
+        return p.wheel_speed + spun - turned
+
     def final_rows(x: Array, p: ReorientationParameters) -> Array:
         missing = attitude_row(p.reference, x[:4]) if quaternion else 4.0 * (x[:3] - p.reference)
-        return jnp.concatenate([missing, RATE_SCALE * (x[turn : turn + 3] - p.reference_rate)])
+        rows = [missing, RATE_SCALE * (x[turn : turn + 3] - p.reference_rate)]
+        if form.biased:
+            off = p.wheel_inertia * (wheel_speeds(x, p) - p.wheel_bias)
+            rows.append(RATE_SCALE * jnp.sum(p.null_momenta * off[None], axis=1))
+        return jnp.concatenate(rows)
 
     def inequality(x: Array, u: Array, share: Array, p: ReorientationParameters) -> Array:
         rows = []
@@ -77,11 +98,7 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
             q = x[:4] if quaternion else mrp.to_quaternion(x[:3])
             rows.append(pointing_margins(q, x[turn : turn + 3], p.directions, p.limits))
         if form.speed_limited:
-            spun = jnp.sum(p.to_wheels * x[carried:-1][None], axis=1) / p.wheel_inertia
-            turned = jnp.sum(
-                p.wheel_axes * (x[turn : turn + 3] - p.start[turn : turn + 3])[:, None], axis=0
-            )
-            relative = (p.wheel_speed + spun - turned) / p.speed_limit
+            relative = wheel_speeds(x, p) / p.speed_limit
             rows += [1.0 - relative, 1.0 + relative]
         return jnp.concatenate(rows)
 

@@ -32,6 +32,7 @@ from jaxatt.simulation.free_body import BodyForm, FreeBody
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.scale import inertia_unit, least_torque_limit
 from jaxatt.spacecraft.vehicle import Spacecraft, total_momentum
+from jaxatt.spacecraft.wheel_bias import bias_of, null_momenta
 
 _LARGEST_MRP = 3.0
 """Norm beyond which the solver's MRP change sets: 286 deg from where they are zero."""
@@ -126,6 +127,7 @@ class ReorientationTask:
             shortest_limited=goal.shortest > 0.0,
             longest_limited=bool(np.isfinite(goal.longest)),
             speed_limited=limited,
+            biased=target.wheel_bias is not None,
             cones=len(pointing.cones),
             rate_limited=pointing.rate_limit is not None,
         )
@@ -148,7 +150,7 @@ class ReorientationTask:
         begin = [attitude, self.initial_state.omega_ob]
         if self.form.body.momentum == "carried":
             begin.append(self.momentum / self.unit)
-        goal, unit = self.goal, self.unit
+        goal, unit, bias = self.goal, self.unit, self.target.wheel_bias
         return ReorientationParameters(
             body=FreeBody(
                 jnp.asarray(craft.inertia / unit),
@@ -174,6 +176,8 @@ class ReorientationTask:
             wheel_inertia=jnp.asarray(wheels.inertia / unit),
             to_wheels=jnp.asarray(a.to_wheels / unit),
             speed_limit=jnp.asarray(wheels.speed_limit),
+            null_momenta=jnp.asarray(null_momenta(wheels).T if wheels.count else np.zeros((0, 0))),
+            wheel_bias=jnp.zeros(wheels.count) if bias is None else jnp.asarray(bias),
         )
 
     @property
@@ -313,8 +317,11 @@ class ReorientationTask:
 
     @property
     def tolerances(self) -> dict[str, float]:
-        """Allowed errors at the end: "attitude" [rad] and "rate" [rad/s]."""
-        return {"attitude": self.target.attitude_tolerance, "rate": self.target.rate_tolerance}
+        """Allowed errors at the end: "attitude" [rad], "rate" [rad/s], "wheel bias" [rad/s]."""
+        allowed = {"attitude": self.target.attitude_tolerance, "rate": self.target.rate_tolerance}
+        if self.form.biased:
+            allowed["wheel bias"] = self.target.bias_tolerance
+        return allowed
 
     def judge(self, flown: Trajectory, torque: Floats) -> Verdict:
         """Judge the errors of flights at their end, and the limits at all of their nodes."""
@@ -326,6 +333,10 @@ class ReorientationTask:
                 np.asarray(flown.omega_ob)[:, -1] - self.target.omega_ob, axis=-1
             ),
         }
+        if self.target.wheel_bias is not None:
+            ended = np.asarray(flown.omega_bw)[:, -1]
+            missed = [bias_of(wheels, one) - self.target.wheel_bias for one in ended]
+            found["wheel bias"] = np.abs(missed).max(axis=1)
         wheel, thrust = torque[..., :n], torque[..., n:]
         excess = np.concatenate(
             [

@@ -53,7 +53,12 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
         orbit = read_orbit(document["orbit"], origin, folder, notes)
         orbit = covering(orbit, document["orbit"], origin, _length(horizon, _phases(document)))
     sky = sky_over(orbit, folder)
-    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon)
+    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon, vehicle.wheels)
+    if vehicle.thrusters.count and any(target.wheel_bias is not None for target in targets):
+        raise ScenarioError(
+            f"{origin}: [target] wheel_bias_rad_s: not beside thrusters; drop it, or drop "
+            "[vehicle.thrusters]"
+        )
     waypoint = None
     if "waypoint" in document:
         if len(targets) > 1 or "legs" in document:

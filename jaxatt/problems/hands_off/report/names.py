@@ -23,6 +23,7 @@ def names(phase: Phase) -> dict[str, Any]:
         "max_complementarity_Nm": section.max_complementarity,
         "final_times": final_times_summary(section.final_times),
         "quantised": valves_summary(section.quantised[0]) if section.quantised else None,
+        "intervals_for_bias": None if section.bias is None else int(section.bias.added.sum()),
     }
 
 
@@ -36,9 +37,16 @@ def together(blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         "max_complementarity_Nm": float(
             np.max([block["max_complementarity_Nm"] for block in blocks])
         ),
+        "intervals_for_bias": _bias_together(blocks),
         "final_times": None,
         "quantised": None if None in valves else _valves_together(valves),
     }
+
+
+def _bias_together(blocks: Sequence[Mapping[str, Any]]) -> int | None:
+    counts = [block["intervals_for_bias"] for block in blocks]
+    given = [count for count in counts if count is not None]
+    return sum(given) if given else None
 
 
 def whole(answer: Answer) -> dict[str, Any]:

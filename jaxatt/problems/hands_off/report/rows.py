@@ -5,7 +5,7 @@ from __future__ import annotations
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.hands_off.report.final_times import cost_text, final_time_text
 from jaxatt.problems.sections import Block, Row, Rows, objective_rows
-from jaxatt.records.wording import indices_text, short
+from jaxatt.records.wording import indices_text, plural, short
 
 
 def rows(answer: Answer) -> Rows:
@@ -18,6 +18,7 @@ def rows(answer: Answer) -> Rows:
         answer=(
             ("active intervals", _active),
             ("their indices", lambda b: indices_text(b["active_interval_indices"])),
+            ("for the bias of the wheels", _for_bias),
             ("final time [s]", final_time_text),
             ("cost with its time", cost_text),
             *(windows if answer.scenario.windows else ()),
@@ -29,6 +30,13 @@ def rows(answer: Answer) -> Rows:
 
 def _active(block: Block) -> str:
     return f"{block['active_intervals']} ({block['relative_sparsity_percent']:.3g} % of all)"
+
+
+def _for_bias(block: Block) -> str:
+    added = block["intervals_for_bias"]
+    if added is None:
+        return ""
+    return f"{plural(added, 'interval')} more" if added else "no interval more"
 
 
 def _quantised(block: Block) -> str:

@@ -5,16 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.problems.flown import flown_end, flown_series
+from jaxatt.problems.hands_off.null_torque import NullTorque, null_torque
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
 from jaxatt.simulation.flight_error import fly_until_agreed
+from jaxatt.spacecraft.wheel_bias import null_momenta
 
 
 def fly_slew(task: SlewTask, controls: Floats) -> Flown:
-    """Fly torques (1, N, b) of a slew on the full model and judge the flight."""
+    """Fly torques (1, N, b) of a slew on the full model and judge the flight.
+
+    Where a bias of the wheels is asked for, the torques that bring it about are added.
+    """
+    bias = None
+    if task.target.wheel_bias is not None:
+        bias = _bias_torque(task, controls)
+        task = task.adding(bias.torque)
     flown, flight_error = fly_until_agreed(
         lambda times: task.fly(controls, times),
         task.flights.steps,
@@ -30,15 +39,40 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
     reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
     if task.waypoint is not None:
         reference["waypoint"] = task.waypoint.q_ob
+    if task.target.wheel_bias is not None:
+        reference["wheel_bias"] = task.target.wheel_bias
+    cost = task.cost(flown, controls)
+    if bias is not None and "sparsity" in cost:
+        weight = np.asarray(task.arguments.weight)
+        cost["sparsity"] = cost["sparsity"] + task.goal.weights.sparsity * weight[bias.added].sum()
     return Flown(
         task.judge(flown, controls),
-        task.cost(flown, controls),
+        cost,
         series,
         reference,
         flown_end(flown, task.intervals),
         _pointing(task, flown),
         flight_error,
+        bias,
     )
+
+
+def _bias_torque(task: SlewTask, controls: Floats) -> NullTorque:
+    """Torques that lead the wheels of an answer (1, N, b) to the bias that is asked for.
+
+    They turn nothing, so a flight without them says by how much the bias is to change.
+    """
+    wheels, end = task.craft.wheels, task.intervals
+    speeds = np.asarray(task.fly(controls).omega_bw[0, end])
+    basis = null_momenta(wheels)
+    impulse = basis.T @ (np.asarray(wheels.inertia) * (task.target.wheel_bias - speeds))
+    held = task.wheel_torque(controls)[0]
+    used = np.any(held != 0.0, axis=1)
+    weight, free = np.asarray(task.arguments.weight), np.asarray(task.arguments.free)
+    near = [int(np.abs(np.flatnonzero(used) - k).min(initial=end)) for k in range(end)]
+    idle = [k for k in range(end) if free[k].any() and not used[k]]
+    order = sorted(idle, key=lambda k: (weight[k], near[k], k))
+    return null_torque(basis, impulse, held, np.asarray(wheels.torque_limit), task.step, order)
 
 
 def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:

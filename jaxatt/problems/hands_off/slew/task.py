@@ -46,6 +46,7 @@ from jaxatt.simulation.flight_error import judging_steps
 from jaxatt.simulation.pulses import Pulses
 from jaxatt.spacecraft.scale import IDLE_SHARE, least_torque_limit
 from jaxatt.spacecraft.vehicle import Spacecraft
+from jaxatt.spacecraft.wheel_bias import bias_of
 
 _SMALL_GYROSCOPIC_TURN = 0.5
 """|H| T / J up to which the derivatives of `pulse_equations` make Newton's method contract well."""
@@ -112,11 +113,12 @@ class SlewTask(SparseTask):
         self.start = beginning.state
         self.pointing = pointing
         self.constraint_margin: Floats | None = None
-        self.judges_path = True
+        self.judges_path, self.judges_bias = True, False
         self.path_monitor = PathMonitor(self.table, pointing, grid.start_time)
         self.flights = SlewFlights(
             craft, self.start, surroundings, grid, self.path_monitor, substeps
         )
+        self.null_torque = np.zeros((grid.intervals, craft.wheels.count))
         self.mounting = mounting(craft, axes)
         self.scale = self.mounting.scale
         self.size = len(self.scale)
@@ -163,6 +165,14 @@ class SlewTask(SparseTask):
             path = self.pointing.path(self.path_monitor.at_nodes(self.intervals), constraint_margin)
             plant = replace(self.arguments.plant, pointing=path)
             other.arguments = replace(self.arguments, plant=plant)
+        return other
+
+    def adding(self, null_torque: Floats) -> SlewTask:
+        """The same slew flown with more torque (N, n) [N m] on the wheels, which must cancel in the
+        body; its verdict then has the wheels' bias, too."""
+        other = copy.copy(self)
+        other.null_torque = null_torque
+        other.judges_bias = True
         return other
 
     def keeping_path_limits_of(self, like: SparseTask) -> SlewTask:
@@ -244,7 +254,7 @@ class SlewTask(SparseTask):
 
     def wheel_torque(self, controls: Floats) -> Floats:
         """Wheel torques (..., N, n) [N m]."""
-        return np.asarray(controls @ self.mounting.to_wheel.T)
+        return np.asarray(controls @ self.mounting.to_wheel.T) + self.null_torque
 
     def thrust(self, controls: Floats) -> Floats:
         """Torque of each thruster (..., N, m) [N m]."""
@@ -296,6 +306,11 @@ class SlewTask(SparseTask):
             found["waypoint"] = _compared(self.waypoint.q_ob, q)[0]
             tolerances["waypoint"] = self.waypoint.tolerance
         wheels, thrusters = self.craft.wheels, self.craft.thrusters
+        if self.judges_bias and self.target.wheel_bias is not None:
+            speeds = np.asarray(flown.omega_bw[:, end])
+            missed = [bias_of(wheels, one) - self.target.wheel_bias for one in speeds]
+            found["wheel bias"] = np.abs(missed).max(axis=1)
+            tolerances["wheel bias"] = self.target.bias_tolerance
         wheel, thrust = self.wheel_torque(controls), self.thrust(controls)
         excess = np.concatenate(
             [

@@ -199,6 +199,13 @@ def _target(
     """Read the target; an empty one leaves attitude and rate at the end free."""
     table = Table(data, origin, "[target]", NET_POWER_TABLES["target"])
     speeds = None
+    for key in ("wheel_bias_rad_s", "wheel_bias_tolerance_rad_s"):
+        if key in table:
+            table.fail(
+                key,
+                "not where energy is weighed, whose answers take the speed of every wheel",
+                "give wheel_speed_rad_s, or drop it",
+            )
     if "wheel_speed_rad_s" in table:
         speeds = read_wheel_speeds(table, craft.wheels)
     sky = _framed(table, sky)
