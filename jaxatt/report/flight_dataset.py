@@ -58,6 +58,11 @@ def flight_dataset(result: FlightRecord) -> xarray.Dataset:
             np.asarray(flown.figures.peak),
             {"units": "N m", "long_name": "largest torque on the body"},
         ),
+        "saturated": (
+            "run",
+            np.asarray(flown.figures.saturated),
+            {"units": "1", "long_name": "share of the time in which a dipole is at its limit"},
+        ),
         "ending": (
             "run",
             np.asarray(flown.what),

@@ -49,6 +49,9 @@ def flight_summary(result: FlightRecord) -> dict[str, Any]:
         f"rms_{unit}": {axis: _percentiles(rms[:, i]) for i, axis in enumerate(CHANNELS)},
         f"final_{unit}": {axis: _percentiles(final[:, i]) for i, axis in enumerate(CHANNELS)},
         "integral_Nms": _percentiles(result.figure("integral")),
+        "dipole_saturated_percent": None
+        if result.scenario.dumping is None
+        else _percentiles(100.0 * result.figure("saturated")),
         "peak_Nm": {axis: _percentiles(peak[:, i]) for i, axis in enumerate(AXES)},
         "flight_error_deg": None if error is None else math.degrees(error.attitude),
         "flight_error_rad_s": None if error is None else error.rate,

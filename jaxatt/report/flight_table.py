@@ -33,6 +33,7 @@ def flight_table(result: FlightRecord) -> Table:
     table.add_column("")
     for name in ("5 %", "median", "95 %") if many else ("",):
         table.add_column(name, justify="right")
+    saturated = numbers["dipole_saturated_percent"]
     unit, _ = units(result)
     shown = unit.replace("rad_s", "rad/s")
     for label, block in (
@@ -42,6 +43,7 @@ def flight_table(result: FlightRecord) -> Table:
         (f"error at the end, total [{shown}]", numbers[f"final_{unit}"]["total"]),
         ("integral of |torque| [N m s]", numbers["integral_Nms"]),
         *((f"peak torque on the body, {a} [N m]", numbers["peak_Nm"][a]) for a in CHANNELS[:3]),
+        *([] if saturated is None else [("dipole at its limit [% of the time]", saturated)]),
     ):
         levels = ("p5", "p50", "p95") if many else ("p50",)
         cells = [short(block.get(level)) or "never" for level in levels]

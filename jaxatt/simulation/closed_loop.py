@@ -11,7 +11,7 @@ import itertools
 import jax.numpy as jnp
 from jax import Array, lax
 
-from jaxatt.attitude.components import Scalar, combination
+from jaxatt.attitude.components import Scalar, Vector, combination
 from jaxatt.control.feedback import FeedbackLaw
 from jaxatt.environment.along_orbit import Nodes
 from jaxatt.environment.external import Along
@@ -77,6 +77,7 @@ def fly(
     found = figures(end.channels, end.effort, _band(flight), errors[-1], total)
     if flight.signal == "attitude":
         found = found._replace(rms=_angle(found.rms), final=_angle(found.final))
+    found = found._replace(saturated=end.saturated / end.sample)
     return Flown(found, end.what, end.ended, Recorded(*recorded))
 
 
@@ -110,11 +111,22 @@ def _sample(
         effort=spend(state.effort, torque, period),
         driven=command.wheels,
         dipole=nothing if command.dipole is None else command.dipole,
+        saturated=state.saturated + _saturated(flight, command.dipole),
         what=state.what,
         ended=state.ended,
         sample=state.sample + 1,
     )
     return judged(state, after, time, flight.tumbling)
+
+
+def _saturated(flight: Flight, dipole: Vector | None) -> Array | float:
+    """1 where a dipole is at its limit, else 0."""
+    if dipole is None:
+        return 0.0
+    assert flight.nominal.magnetorquers is not None
+    limit = Vector.of(flight.nominal.magnetorquers.dipole_limit)
+    full = [jnp.abs(m) >= most for m, most in zip(dipole.parts, limit.parts, strict=True)]
+    return jnp.where(full[0] | full[1] | full[2], 1.0, 0.0)
 
 
 def _row(flight: Flight, body: WheeledBody, state: RunState, end: tuple[Nodes, Reference]) -> Array:

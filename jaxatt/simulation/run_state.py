@@ -22,6 +22,7 @@ class RunState(NamedTuple):
 
     spins : axial momentum of each wheel, inertial [N m s].  memory : the law's.
     driven, dipole : wheel torques [N m] and dipole [A m^2] held until now.
+    saturated : samples so far at which a dipole was at its limit.
     what, ended : as in `Flown`.  sample : number of the next sample.
     """
 
@@ -32,6 +33,7 @@ class RunState(NamedTuple):
     effort: Effort
     driven: tuple[Array, ...]
     dipole: Vector
+    saturated: Array
     what: Array
     ended: Array
     sample: Array
@@ -51,6 +53,7 @@ def begin(flight: Flight, body: WheeledBody, start: AttitudeState, law: Feedback
         effort=Effort(zero, nothing),
         driven=tuple(zero for _ in body.axes),
         dipole=nothing,
+        saturated=zero,
         what=jnp.asarray(FLYING),
         ended=zero + jnp.inf,
         sample=jnp.asarray(0),

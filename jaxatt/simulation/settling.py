@@ -91,6 +91,7 @@ class Figures(NamedTuple):
     where it ended outside.  always_inside : (4,), whether it never left.
     rms : (4,), root mean square while settled.  final : (4,), at the end.
     integral : () [N m s] of the norm of the torque.  peak : (3,) [N m], on the body.
+    saturated : (), share of the time in which a dipole is at its limit.
     """
 
     settling: Array
@@ -99,6 +100,7 @@ class Figures(NamedTuple):
     final: Array
     integral: Array
     peak: Array
+    saturated: Array | float = 0.0
 
 
 def figures(

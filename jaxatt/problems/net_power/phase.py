@@ -27,8 +27,9 @@ from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight_error import FlightError, between
+from jaxatt.spacecraft import Spacecraft
 
-_ACTIVE = 1e-3
+_ACTIVE, _FULL = 1e-3, 0.999
 """Share of its limit above which a control makes an interval count as active."""
 
 
@@ -189,9 +190,18 @@ def phase_of(
             final_time_free=free_time,
             cost=-float(flown.score[best]) if free_time or penalised else None,
             by_dipoles=not torque.shape[1],
+            saturated=_saturated(craft, series),
         ),
     )
     return record, Motion(*(series[name][-1] for name in ("q_ib", "omega_ib", "omega_bw")))
+
+
+def _saturated(craft: Spacecraft, series: Mapping[str, Floats]) -> float | None:
+    """Share of the time in which a dipole is at its limit, from its values at the nodes."""
+    if craft.magnetorquers is None or not series["dipole"].any():
+        return None
+    full = np.abs(series["dipole"]) >= _FULL * np.asarray(craft.magnetorquers.dipole_limit)
+    return float(full[:-1].any(axis=1).mean())
 
 
 def _flight_error(flown: Flown) -> FlightError | None:

@@ -73,7 +73,8 @@ class NetPower(Section):
     task, mode : of a plan; empty for a single manoeuvre.  site : (2,) [deg], latitude and longitude
     of a target on the ground; None without.
     final_time_free : whether it was found with the rest.  by_dipoles : whether dipoles alone are
-    decided, and no torques.
+    decided, and no torques.  saturated : share of the time in which a dipole is at its limit; None
+    where there are none.
     """
 
     @property
@@ -99,6 +100,7 @@ class NetPower(Section):
     final_time_free: bool = False
     cost: float | None = None
     by_dipoles: bool = False
+    saturated: float | None = None
 
     def headline(self, phases: Sequence[Phase]) -> str:
         """Net energy of all phases, and the gain over the baseline."""

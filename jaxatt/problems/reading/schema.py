@@ -75,6 +75,7 @@ MAGNETORQUER_KEYS = (
     "turns",
     "coil_area_m2",
     "resistance_ohm",
+    "duty",
 )
 THRUSTER_KEYS = (
     "torque_directions",

@@ -72,13 +72,16 @@ def read_thrusters(vehicle: Table) -> Thrusters | None:
     )
 
 
-def read_magnetorquers(vehicle: Table) -> Magnetorquers | None:
-    """Read [vehicle.magnetorquers]; None without it."""
+def read_magnetorquers(vehicle: Table, notes: list[str]) -> Magnetorquers | None:
+    """Read [vehicle.magnetorquers]; None without it.
+
+    notes : receives a line where they act for a share of the time only.
+    """
     if "magnetorquers" not in vehicle:
         return None
     table = part(vehicle, "magnetorquers")
     limit = table.require("dipole_limit_Am2", "0.5")
-    return checked(
+    built = checked(
         table,
         lambda: magnetorquers(
             limit,
@@ -86,5 +89,13 @@ def read_magnetorquers(vehicle: Table) -> Magnetorquers | None:
             table.data.get("turns"),
             table.data.get("coil_area_m2"),
             table.data.get("resistance_ohm"),
+            table.data.get("duty", 1.0),
         ),
     )
+    if built.duty != 1.0:
+        most = ", ".join(f"{each:.4g}" for each in built.dipole_limit)
+        notes.append(
+            f"the magnetorquers act for {built.duty:g} of every period: dipoles are means over "
+            f"it, at most ({most}) A m^2"
+        )
+    return built

@@ -142,7 +142,7 @@ def _build(table: Table, notes: list[str], magnetorquers_alone: bool) -> Spacecr
             read_wheels(table, notes),
             name,
             read_thrusters(table),
-            read_magnetorquers(table),
+            read_magnetorquers(table, notes),
             read_panels(table),
             read_battery(table),
             read_loads(table),

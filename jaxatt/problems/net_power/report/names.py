@@ -49,6 +49,9 @@ def names(phase: Phase) -> Block:
             ],
             "task": found.task or None,
             "mode": found.mode or None,
+            "dipole_saturated_percent": None
+            if found.saturated is None
+            else 100.0 * found.saturated,
         },
     }
 

@@ -31,6 +31,7 @@ def rows(answer: Answer) -> Rows:
         (f"cost [{unit}]", _cost),
         ("baseline, PD law [J]", _baseline),
         ("charge of the battery", _charge),
+        ("dipole at its limit [% of the time]", _saturated),
         ("shadow [s]", _shadow),
         ("optimality", _optimality),
     ]
@@ -60,6 +61,12 @@ def _charge(block: Block) -> str:
         f"{energy['final_charge_J'] * hours:.4g} Wh at the end, least "
         f"{energy['least_charge_J'] * hours:.4g} Wh"
     )
+
+
+def _saturated(block: Block) -> str:
+    found = block["net_power"]
+    share = None if found is None else found["dipole_saturated_percent"]
+    return "" if share is None else f"{share:.3g}"
 
 
 def _shadow(block: Block) -> str:
