@@ -51,6 +51,21 @@ def test_a_flight_by_feedback_has_no_failed_wheel():
     assert list(archive.wheel_name.values) == ["wheel 1", "wheel 3", "wheel 4"]
 
 
+@pytest.mark.slow
+def test_earning_with_a_wheel_failed_is_earning_without_it():
+    case = scenarios.load("hypso1-netpower")
+    more = {
+        "vehicle.wheels.axes": [*np.eye(3).tolist(), [0.6, 0.48, 0.64]],
+        "initial.wheel_speed_rad_s": [0.0] * 4,
+        FAILED: ["wheel 4"],
+    }
+    without, failed = (
+        jaxatt.solve(one, starts=2).phases[0] for one in (case, scenarios.replace(case, more))
+    )
+    np.testing.assert_array_equal(failed.series["torque_wheels"], without.series["torque_wheels"])
+    assert failed.section.energy.net == without.section.energy.net
+
+
 @pytest.fixture(scope="module")
 def circular():
     case = scenarios.load("hypso1-90-45-15-failed-wheel")
