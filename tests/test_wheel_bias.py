@@ -53,6 +53,8 @@ def test_a_number_a_list_and_what_is_refused():
             continue
         with pytest.raises(scenarios.ScenarioError, match=words):
             biased(bias, **change)
+    with pytest.raises(scenarios.ScenarioError, match="given without wheel_bias_rad_s"):
+        biased(None, **{"target.wheel_bias_tolerance_rad_s": 0.2})
     earning = scenarios.load("hypso1-netpower")
     with pytest.raises(scenarios.ScenarioError, match="give wheel_speed_rad_s"):
         scenarios.replace(earning, {BIAS: 30.0})

@@ -11,7 +11,7 @@ from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.reading.wheel_bias import read_bias
+from jaxatt.problems.reading.wheel_bias import TOLERANCE, read_bias
 from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon
 from jaxatt.spacecraft import ReactionWheels, Spacecraft
@@ -90,7 +90,7 @@ def read_target(
         attitude_tolerance=math.radians(tolerance),
         rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
         wheel_bias=read_bias(table, wheels),
-        bias_tolerance=table.number("wheel_bias_tolerance_rad_s", 0.1, above=0.0),
+        bias_tolerance=table.number(TOLERANCE, 0.1, above=0.0),
     )
 
 

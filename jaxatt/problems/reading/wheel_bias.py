@@ -10,7 +10,7 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import ReactionWheels
 from jaxatt.spacecraft.wheel_bias import bias_of, unit_bias
 
-BIAS = "wheel_bias_rad_s"
+BIAS, TOLERANCE = "wheel_bias_rad_s", "wheel_bias_tolerance_rad_s"
 _ROUNDED = 1e-3
 """Share of a bias that may lie outside of the null space, as rounded numbers do."""
 
@@ -23,6 +23,8 @@ def read_bias(table: Table, wheels: ReactionWheels | None) -> Floats | None:
     wheel that is mounted, which must store no momentum.
     """
     if BIAS not in table:
+        if TOLERANCE in table:
+            table.fail(TOLERANCE, f"given without {BIAS}", f"add {BIAS}, or drop it")
         return None
     if wheels is None or wheels.count < 4:
         left = 0 if wheels is None else wheels.count
