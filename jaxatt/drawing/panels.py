@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxatt.drawing.figure import colour
 from jaxatt.runtime.arrays import Flags, Floats
+from jaxatt.spacecraft.wheels import ReactionWheels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,6 +32,18 @@ def limits(axes: Axes, values: Sequence[float] | Floats) -> None:
     for limit in values:
         for sign in (-1.0, 1.0):
             axes.axhline(sign * limit, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
+
+
+def speed_limits(axes: Axes, wheels: ReactionWheels, unit: float) -> None:
+    """Draw speed limits of wheels as dashed lines, and the speeds that they avoid as shaded bands.
+
+    unit : of the axis, in which one rad/s is so much.
+    """
+    most = np.asarray(wheels.speed_limit) * unit
+    limits(axes, np.unique(most[np.isfinite(most)]))
+    a, b = (np.reshape(side, (-1,)) * unit for side in wheels.avoid.sides)
+    for low, high in sorted(set(zip(a.tolist(), b.tolist(), strict=True))):
+        axes.axhspan(low, high, facecolor="#B03A2E", alpha=0.12, linewidth=0)
 
 
 def pulses(

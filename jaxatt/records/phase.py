@@ -9,6 +9,7 @@ import numpy as np
 
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
+from jaxatt.records.wheel_bands import BandRecord
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.simulation.flight_error import FlightError
 
@@ -54,6 +55,7 @@ class Phase:
     alternative : the best answer that does reach, where the best by cost does not.
     search_steps : Runge-Kutta steps an interval of the search; 0 where they are not counted.
     flight_error : how wrong the flight can be, and its steps; None where that was not measured.
+    wheel_bands : how the wheels kept to each band of speeds that they avoid.
     section : what only this family's answers have.
     """
 
@@ -77,6 +79,7 @@ class Phase:
     alternative: Phase | None = None
     search_steps: int = 0
     flight_error: FlightError | None = None
+    wheel_bands: tuple[BandRecord, ...] = ()
     section: Section = field(default_factory=Section)
 
     @property

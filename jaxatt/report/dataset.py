@@ -28,6 +28,7 @@ _SERIES: Mapping[str, Label] = {
     "omega_bw": (("time", "wheel"), "rad/s", "wheel speed relative to the body"),
     "torque_body": (("interval", "axis"), "N m", "torque on the wheels in body axes"),
     "torque_wheels": (("interval", "wheel"), "N m", "torque on each wheel"),
+    "torque_motors": (("interval", "wheel"), "N m", "largest torque of each motor, with friction"),
     "torque_thrusters": (("interval", "thruster"), "N m", "torque of each thruster, relaxed"),
 }
 _REFERENCES: Mapping[str, Label] = {

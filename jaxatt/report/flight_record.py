@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from jaxatt.problems.wheel_speeds import longest_stays
 from jaxatt.records.wording import plural
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.scenarios.flight_model import FlightScenario
@@ -73,6 +74,18 @@ class FlightRecord:
         """Times of the records, (records,) [s]."""
         timing = self.scenario.timing
         return np.asarray(np.arange(1, timing.records + 1) * (timing.duration / timing.records))
+
+    @property
+    def band_stays(self) -> dict[str, Floats]:
+        """Longest stay [s] of any wheel in each band that wheels avoid, (R',) of the sound runs.
+
+        By the speeds of the records, between which they count as linear.
+        """
+        wheels, timing = self.scenario.vehicle.wheels, self.scenario.timing
+        speeds = np.asarray(self.flown.recorded.omega_bw)[self.sound]
+        stays = longest_stays(wheels, speeds, timing.duration / timing.records).max(axis=2)
+        names = [f"{name} rad/s" for name in wheels.avoid.names]
+        return dict(zip(names, stays.T, strict=True))
 
     def figure(self, name: str) -> Floats:
         """Values of a figure for the runs that flew to the end.

@@ -53,6 +53,7 @@ def flight_summary(result: FlightRecord) -> dict[str, Any]:
         if result.scenario.dumping is None
         else _percentiles(100.0 * result.figure("saturated")),
         "peak_Nm": {axis: _percentiles(peak[:, i]) for i, axis in enumerate(AXES)},
+        "band_stays_s": {name: _percentiles(stay) for name, stay in result.band_stays.items()},
         "flight_error_deg": None if error is None else math.degrees(error.attitude),
         "flight_error_rad_s": None if error is None else error.rate,
         "spread": None if result.spread is None else asdict(result.spread),

@@ -44,6 +44,7 @@ def flight_table(result: FlightRecord) -> Table:
         ("integral of |torque| [N m s]", numbers["integral_Nms"]),
         *((f"peak torque on the body, {a} [N m]", numbers["peak_Nm"][a]) for a in CHANNELS[:3]),
         *([] if saturated is None else [("dipole at its limit [% of the time]", saturated)]),
+        *((f"longest at {name} [s]", stay) for name, stay in numbers["band_stays_s"].items()),
     ):
         levels = ("p5", "p50", "p95") if many else ("p50",)
         cells = [short(block.get(level)) or "never" for level in levels]

@@ -8,7 +8,7 @@ import numpy as np
 
 from jaxatt.attitude import euler
 from jaxatt.drawing.figure import COAST, colour, tidy
-from jaxatt.drawing.panels import limits, lines, pulses, references, runs
+from jaxatt.drawing.panels import lines, pulses, references, runs, speed_limits
 from jaxatt.problems.answer import Answer
 from jaxatt.records.timeline import timeline
 from jaxatt.report.family import sections_of
@@ -102,8 +102,7 @@ def wheel_speeds(axes: Axes, result: Answer) -> None:
     vehicle = result.scenario.vehicle
     if vehicle is not None:
         lines(axes, line.time, line.nodes["omega_bw"] * _RPM, vehicle.wheels.names)
-        most = np.asarray(vehicle.wheels.speed_limit) * _RPM
-        limits(axes, np.unique(most[np.isfinite(most)]))
+        speed_limits(axes, vehicle.wheels, _RPM)
     axes.set_ylabel("wheel speeds\n[rpm]")
 
 

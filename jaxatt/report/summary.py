@@ -57,6 +57,7 @@ NAMES = (
     "final_times",
     "quantised",
     "pointing",
+    "wheel_bands",
     "obstacle",
     "starts",
 )
@@ -130,6 +131,7 @@ def _phase(phase: Phase) -> dict[str, Any]:
         "step_s": phase.step,
         "control_effort": phase.quadratic_effort,
         "pointing": _pointing(phase),
+        "wheel_bands": _wheel_bands(phase),
         "obstacle": phase.failure_reason,
         "starts": starts_summary(phase.starts),
         **named_errors(phase),
@@ -189,6 +191,21 @@ def _pointing(phase: Phase) -> list[dict[str, Any]]:
     return found
 
 
+def _wheel_bands(phase: Phase) -> list[dict[str, Any]]:
+    """Every band of speeds that wheels avoid, with one number a wheel."""
+    return [
+        {
+            "name": band.name,
+            "allowed_s": band.allowed,
+            "longest_stay_s": band.stays.tolist(),
+            "clearance_rad_s": band.clearance.tolist(),
+            "outcome": band.outcome,
+            "satisfied": band.satisfied,
+        }
+        for band in phase.wheel_bands
+    ]
+
+
 def _together(result: Answer, blocks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """All phases as one block."""
     sections = sections_of(result)
@@ -213,6 +230,11 @@ def _together(result: Answer, blocks: Sequence[Mapping[str, Any]]) -> dict[str, 
         {"leg": number + 1, **entry}
         for number, block in enumerate(blocks)
         for entry in block["pointing"]
+    ]
+    together["wheel_bands"] = [
+        {"leg": number + 1, **entry}
+        for number, block in enumerate(blocks)
+        for entry in block["wheel_bands"]
     ]
     steps = {block["step_s"] for block in blocks}
     together["step_s"] = steps.pop() if len(steps) == 1 else None

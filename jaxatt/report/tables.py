@@ -89,6 +89,10 @@ def _rows(result: Answer) -> list[Row]:
             (limit_label(extreme.kind, extreme.name), _limit(index))
             for index, extreme in enumerate(first.pointing.extremes if first.pointing else ())
         ),
+        *(
+            (f"wheels avoid {band.name}", _band(index))
+            for index, band in enumerate(first.wheel_bands)
+        ),
         (
             f"over the limit{'' if unitless else f' [{unit}]'}",
             lambda b: short(b["max_torque_violation_Nm"]),
@@ -111,6 +115,19 @@ def _limit(index: int) -> Callable[[Block], str | Text]:
         value, allowed = entries[index][f"{word}_{unit}"], entries[index][f"allowed_{unit}"]
         text = limit_text(kind, value, allowed, entries[index]["time_s"], met)
         return Text(text, style="" if met else "bold red")
+
+    return show
+
+
+def _band(index: int) -> Callable[[Block], str | Text]:
+    """Function that states how a phase kept one band of wheel speeds; several say it each."""
+
+    def show(block: Block) -> str | Text:
+        entries = block["wheel_bands"]
+        if index >= len(entries) or "leg" in entries[index]:
+            return ""
+        met = entries[index]["satisfied"]
+        return Text(entries[index]["outcome"], style="" if met else "bold red")
 
     return show
 

@@ -97,19 +97,20 @@ def _sample(
     speeds = body.speeds(motion, state.spins)
     command, memory = known.decide(flight, state, speeds, errors, nodes, reference, drawn)
     nothing = combination((), (), motion.omega)
-    torque = combination(body.axes, command.wheels, motion.omega)
+    driven = body.after_friction(command.wheels, speeds, period)
+    torque = combination(body.axes, driven, motion.omega)
     after = RunState(
         motion=body.advance(
             motion, state.spins, torque, command.dipole, along, period, flight.torques
         ),
-        spins=tuple(s + period * t for s, t in zip(state.spins, command.wheels, strict=True)),
+        spins=tuple(s + period * t for s, t in zip(state.spins, driven, strict=True)),
         memory=memory,
         channels=tuple(
             follow(c, e, time, period, band)
             for c, e in zip(state.channels, _signal(flight, errors), strict=True)
         ),
         effort=spend(state.effort, torque, period),
-        driven=command.wheels,
+        driven=driven,
         dipole=nothing if command.dipole is None else command.dipole,
         saturated=state.saturated + _saturated(flight, command.dipole),
         what=state.what,

@@ -38,13 +38,14 @@ class Carried(NamedTuple):
 class Spent(NamedTuple):
     """Energies [J] of an interval, and the extremes within it.
 
-    fastest : largest speed of each wheel [rad/s].  strongest : largest dipole [A m^2].
+    lowest, highest : speed of each wheel [rad/s].  strongest : largest dipole [A m^2].
     """
 
     solar: Array
     wheels: Array
     magnetorquers: Array
-    fastest: tuple[Array, ...]
+    lowest: tuple[Array, ...]
+    highest: tuple[Array, ...]
     strongest: Vector
 
 
@@ -92,7 +93,8 @@ def fly_interval(
         nothing,
         nothing,
         nothing,
-        tuple(nothing for _ in wheel_torque),
+        tuple(nothing + jnp.inf for _ in wheel_torque),
+        tuple(nothing - jnp.inf for _ in wheel_torque),
         Vector(nothing, nothing, nothing),
     )
     (after, spent), _ = lax.scan(advance, (carried, none), steps)
@@ -144,7 +146,8 @@ def _added(
     sun_b = within.motion.q_ib.rotate_inverse(_row(around.sun))
     spent = spent._replace(
         solar=spent.solar + jnp.sum(around.light * powers.solar(sun_b), axis=0),
-        fastest=tuple(map(_larger, spent.fastest, within.speeds)),
+        lowest=tuple(map(lower, spent.lowest, within.speeds)),
+        highest=tuple(map(higher, spent.highest, within.speeds)),
     )
     if wheel_torque:
         driven = powers.wheels(_row(wheel_torque), within.speeds)
@@ -156,6 +159,16 @@ def _added(
             strongest=spent.strongest.map(_larger, moment),
         )
     return spent
+
+
+def lower(least: Array, values: Array) -> Array:
+    """Of a number () and several (k,), the lowest."""
+    return jnp.minimum(least, jnp.min(values, axis=0))
+
+
+def higher(most: Array, values: Array) -> Array:
+    """Of a number () and several (k,), the highest."""
+    return jnp.maximum(most, jnp.max(values, axis=0))
 
 
 def _larger(most: Array, values: Array) -> Array:

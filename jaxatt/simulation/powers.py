@@ -13,6 +13,7 @@ from jaxatt.attitude.components import Vector
 from jaxatt.spacecraft.actuation_power import magnetorquer_power, wheel_power
 from jaxatt.spacecraft.panels import collecting_area
 from jaxatt.spacecraft.vehicle import Spacecraft
+from jaxatt.spacecraft.wheel_motor import friction
 
 _LOSSLESS = 1.0
 
@@ -47,13 +48,13 @@ class Powers:
         return received
 
     def wheels(self, torque: tuple[Array, ...], speeds: tuple[Array, ...]) -> Array:
-        """Power [W] of the wheels; torque [N m] and speed [rad/s] of each, (n,) of any shape."""
-        given: Array = (
-            wheel_power(
-                self.craft.wheels, _last(torque, speeds), _last(speeds, speeds), self.wheel_power
-            )
-            / self._output
-        )
+        """Power [W] of the wheels; torque [N m] and speed [rad/s] of each, (n,) of any shape.
+
+        Their motors give what friction takes, too.
+        """
+        wheels, turning = self.craft.wheels, _last(speeds, speeds)
+        motors = _last(torque, speeds) + friction(wheels.motors, turning)
+        given: Array = wheel_power(wheels, motors, turning, self.wheel_power) / self._output
         return given
 
     def magnetorquers(self, dipole: Vector) -> Array:

@@ -18,7 +18,7 @@ from jaxatt.attitude.components import Matrix, Quaternion, Vector, combination
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.simulation.dense_step import Dipole
 from jaxatt.simulation.light_quadrature import shares_of
-from jaxatt.simulation.powered_flight import Step
+from jaxatt.simulation.powered_flight import Step, higher, lower
 from jaxatt.simulation.powers import Powers
 from jaxatt.simulation.rigid_step import Motion
 from jaxatt.spacecraft.vehicle import Spacecraft
@@ -110,14 +110,15 @@ class Turned(NamedTuple):
 
 
 class TurnSpent(NamedTuple):
-    """Energies [J] of an interval, and torque [N m], speed [rad/s] and dipole [A m^2] where they
-    were largest."""
+    """Energies [J] of an interval, torque [N m] and dipole [A m^2] where they were largest, and the
+    lowest and the highest speed of each wheel [rad/s]."""
 
     solar: Array
     wheels: Array
     magnetorquers: Array
     torque: tuple[Array, ...]
-    fastest: tuple[Array, ...]
+    lowest: tuple[Array, ...]
+    highest: tuple[Array, ...]
     strongest: Vector
 
 
@@ -132,7 +133,8 @@ def turn_interval(
     """Fly one interval; steps : leading axis of the steps.  step : (lanes,) or (1,) [s]."""
     zero = jnp.zeros_like(jnp.asarray(carried.q_ib.eta))
     still = tuple(zero for _ in carried.speeds)
-    none = TurnSpent(zero, zero, zero, still, still, Vector(zero, zero, zero))
+    lowest, highest = (tuple(zero + end for _ in still) for end in (jnp.inf, -jnp.inf))
+    none = TurnSpent(zero, zero, zero, still, lowest, highest, Vector(zero, zero, zero))
 
     def advance(
         at: tuple[Turned, TurnSpent], around: Step
@@ -188,7 +190,8 @@ def _step(
         spent.wheels + weight * jnp.sum(powers.wheels(taken, speeds), axis=0),
         spent.magnetorquers + weight * jnp.sum(powers.magnetorquers(moment), axis=0),
         tuple(map(_larger, spent.torque, taken)),
-        tuple(jnp.abs(_larger(*both)) for both in zip(spent.fastest, speeds, strict=True)),
+        tuple(map(lower, spent.lowest, speeds)),
+        tuple(map(higher, spent.highest, speeds)),
         spent.strongest.map(lambda most, m: jnp.abs(_larger(most, m)), moment),
     )
 

@@ -14,6 +14,7 @@ from jaxatt.environment.along_orbit import Nodes
 from jaxatt.simulation.rigid_step import Motion
 from jaxatt.simulation.run_state import RunState
 from jaxatt.simulation.sampled_flight import Flight, Noise, Reference
+from jaxatt.spacecraft.wheel_motor import WheelMotors, torque_range
 
 
 class Errors(NamedTuple):
@@ -37,6 +38,7 @@ class Controller(NamedTuple):
 
     axes : of the wheels.  shares : rows of the allocation, one a wheel.  inertia : (n,) [kg m^2].
     torque_limit, speed_limit : (n,) [N m], [rad/s].  braking : (n,) [N m s], Jw / period.
+    motors : whose torque falls with speed.
     """
 
     law: FeedbackLaw
@@ -46,6 +48,7 @@ class Controller(NamedTuple):
     torque_limit: Array
     speed_limit: Array
     braking: Array
+    motors: WheelMotors
 
     def decide(
         self,
@@ -85,10 +88,11 @@ class Controller(NamedTuple):
         No more than brings the wheel to its speed limit within one period.
         """
         driven = []
+        slow, fast = torque_range(self.motors, jnp.stack(speeds)) if speeds else ((), ())
         for k, share in enumerate(self.shares):
-            most = self.torque_limit[k]
-            up = jnp.clip(self.braking[k] * (self.speed_limit[k] - speeds[k]), -most, most)
-            down = jnp.clip(self.braking[k] * (-self.speed_limit[k] - speeds[k]), -most, most)
+            least, most = (self.torque_limit[k] * end[k] for end in (slow, fast))
+            up = jnp.clip(self.braking[k] * (self.speed_limit[k] - speeds[k]), least, most)
+            down = jnp.clip(self.braking[k] * (-self.speed_limit[k] - speeds[k]), least, most)
             driven.append(jnp.clip(share.dot(wanted), down, up))
         return tuple(driven)
 
@@ -105,6 +109,7 @@ def controller(flight: Flight, law: FeedbackLaw) -> Controller:
         jnp.asarray(wheels.torque_limit),
         jnp.asarray(wheels.speed_limit),
         inertia / jnp.asarray(flight.period),
+        jax.tree.map(jnp.asarray, wheels.motors),
     )
 
 

@@ -19,12 +19,32 @@ class WheeledBody(NamedTuple):
     """Inertia and wheels of a vehicle, in scalars.
 
     axes : of the wheels.  wheel_inertia, per_inertia : (n,) [kg m^2] and its inverse.
+    coulomb, viscous : (n,) [N m], [N m s], friction.
     """
 
     body: Body
     axes: tuple[Vector, ...]
     wheel_inertia: Array
     per_inertia: Array
+    coulomb: Array
+    viscous: Array
+
+    def after_friction(
+        self, motors: tuple[Array, ...], speeds: tuple[Array, ...], period: Array
+    ) -> tuple[Array, ...]:
+        """Torques [N m] that are left of the motors' after friction, as means over a period [s].
+
+        By the wheels alone: viscous friction slows one down exponentially, and dry friction takes
+        no more than what brings it to rest, where it then holds.
+        """
+        left = []
+        for k, (motor, speed) in enumerate(zip(motors, speeds, strict=True)):
+            inertia = self.wheel_inertia[k]
+            damped = -jnp.expm1(-self.viscous[k] * self.per_inertia[k] * period) * inertia / period
+            torque = motor - damped * speed
+            stopping = speed * inertia / period + torque
+            left.append(torque - jnp.clip(stopping, -self.coulomb[k], self.coulomb[k]))
+        return tuple(left)
 
     def speeds(self, motion: Motion, spins: tuple[Array, ...]) -> tuple[Array, ...]:
         """Speeds of the wheels relative to the body [rad/s], from their axial momenta [N m s]."""
@@ -81,4 +101,6 @@ def wheeled_body(craft: Spacecraft) -> WheeledBody:
         tuple(Vector.of(jnp.asarray(craft.wheels.axes)[:, k]) for k in range(craft.wheels.count)),
         inertia,
         1.0 / inertia,
+        jnp.asarray(craft.wheels.motors.coulomb),
+        jnp.asarray(craft.wheels.motors.viscous),
     )

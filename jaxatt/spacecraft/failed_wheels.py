@@ -43,6 +43,8 @@ def without(wheels: ReactionWheels, failed: Sequence[str]) -> ReactionWheels:
         inertia=inertia,
         torque_limit=torque_limit,
         speed_limit=speed_limit,
+        avoid=wheels.avoid.of_wheels(left),
+        motors=wheels.motors.of_wheels(left),
         mounted=known,
         failed=lost,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,17 +13,29 @@ import numpy as np
 
 from jaxatt.attitude.vectors import matvec
 from jaxatt.spacecraft.checks import FieldError, Float64, brief, finite_array, positive_per_item
+from jaxatt.spacecraft.speed_bands import NO_BANDS, SpeedBands, speed_bands
 from jaxatt.spacecraft.wheel_envelope import envelope_share, spanned_directions
+from jaxatt.spacecraft.wheel_motor import WheelMotors, wheel_motors
 
 Array = jax.Array | Float64
 
 # Rounded axes such as 0.57735 are meant as unit vectors: only a larger deviation earns a note.
 _UNIT_TOLERANCE = 1e-5
+_NO_MOTORS = wheel_motors(0)
 
 
 @functools.partial(
     jax.tree_util.register_dataclass,
-    data_fields=["axes", "inertia", "torque_limit", "speed_limit", "efficiency", "regeneration"],
+    data_fields=[
+        "axes",
+        "inertia",
+        "torque_limit",
+        "speed_limit",
+        "efficiency",
+        "regeneration",
+        "avoid",
+        "motors",
+    ],
     meta_fields=[],
     drop_fields=["mounted", "failed"],
 )
@@ -47,6 +59,10 @@ class ReactionWheels:
         Mechanical power of a drive as a share of the electrical power that it draws.
     regeneration : () array
         Share of the braking power that the drives recover, between 0 and 1.
+    avoid : SpeedBands
+        Speeds at which the wheels must not run.
+    motors : WheelMotors
+        Their friction, and how their torque falls with speed.
     mounted : tuple of str
         Names of all wheels that are mounted; empty for "wheel 1", "wheel 2" and so on.
     failed : tuple of str
@@ -59,6 +75,8 @@ class ReactionWheels:
     speed_limit: Array
     efficiency: Array | float = 1.0
     regeneration: Array | float = 0.0
+    avoid: SpeedBands = NO_BANDS
+    motors: WheelMotors = _NO_MOTORS
     mounted: tuple[str, ...] = ()
     failed: tuple[str, ...] = ()
 
@@ -66,6 +84,11 @@ class ReactionWheels:
     def count(self) -> int:
         """Number of wheels that work."""
         return int(self.axes.shape[-1])
+
+    @property
+    def has_speed_limits(self) -> bool:
+        """Whether there are speeds that a wheel must never have, or must leave soon."""
+        return self.avoid.count > 0 or bool(np.isfinite(np.asarray(self.speed_limit)).any())
 
     @property
     def mounted_names(self) -> tuple[str, ...]:
@@ -161,6 +184,8 @@ def reaction_wheels(
     efficiency: Any = 1.0,
     regeneration: Any = 0.0,
     *,
+    avoid: Sequence[tuple[Any, Any, Any]] = (),
+    motors: Mapping[str, Any] | None = None,
     names: Sequence[str] = (),
     notes: list[str] | None = None,
 ) -> ReactionWheels:
@@ -178,6 +203,10 @@ def reaction_wheels(
         Of the drives, greater than 0 and at most 1.
     regeneration : float
         Share of the braking power that the drives recover, from 0 to 1.
+    avoid : sequence of (slowest, fastest, longest stay)
+        As in `speed_bands`.
+    motors : dict, optional
+        Arguments of `wheel_motors`.
     names : sequence of str
         One for each wheel; "wheel 1", "wheel 2" and so on by default.
     notes : list of str, optional
@@ -197,6 +226,8 @@ def reaction_wheels(
         speed_limit=positive_per_item("speed_limit", speed_limit, count, infinite=True),
         efficiency=_share("efficiency", efficiency),
         regeneration=_share("regeneration", regeneration, zero=True),
+        avoid=speed_bands(avoid, count),
+        motors=wheel_motors(count, **(motors or {})),
         mounted=_names(names, count),
     )
 

@@ -1,4 +1,4 @@
-"""Wheels near their speed limits: kept between the nodes too, and named where they are not."""
+"""Wheels near speeds that they must not have: kept between the nodes too, and named where not."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from jaxatt.problems.time_optimal import search
 from jaxatt.problems.time_optimal.phase import build_time_task
 from jaxatt.problems.time_optimal.search import search_free_time
 from jaxatt.problems.verdict import Verdict
-from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
+from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess, speed_range
 from jaxatt.spacecraft import reaction_wheels
 
 LIMIT = 677.0
@@ -64,9 +64,10 @@ def test_without_a_second_solve_that_answer_would_be_refused(monkeypatch):
 
 
 def test_a_wheel_at_its_limit_from_the_start_is_not_tightened_out_of_reach():
-    task = build_time_task(turn_with_little_room(0.0, 30.0))
-    limits = task.speed_limits(np.full(3, 1e-3))
-    np.testing.assert_allclose(limits, [LIMIT, 0.999 * LIMIT, 0.999 * LIMIT])
+    wheels = reaction_wheels(np.eye(3), 1e-5, 1e-3, speed_limit=LIMIT)
+    lower, upper = speed_range(wheels, np.array([LIMIT, 0.0, -LIMIT]), np.full(3, 1e-3))
+    np.testing.assert_allclose(upper, [LIMIT, 0.999 * LIMIT, 0.999 * LIMIT])
+    np.testing.assert_allclose(lower, [-0.999 * LIMIT, -0.999 * LIMIT, -LIMIT])
 
 
 def test_the_wheel_is_named():
@@ -74,7 +75,7 @@ def test_the_wheel_is_named():
     speeds = np.array([[[90.0, 1e6, 0.0], [-95.0, 0.0, 201.0]]])
     excess = speed_excess(wheels, speeds)
     np.testing.assert_allclose(excess, [[-0.05, -1.0, 0.005]])
-    words = broken_speeds(wheels, excess[0], 1e-6)
+    words = broken_speeds(wheels, speeds[0], 1.0)
     assert words == ["wheel 3 turns 0.5 % faster than its limit of 200 rad/s"]
     verdict = Verdict({}, {}, np.zeros(1), excess.max(axis=1))
     said = failure_reason(verdict, Status.CONVERGED, broken_margins=words)

@@ -27,6 +27,7 @@ NAMES = (
     "hypso1-tle-90-45-15",
     "hypso2-orbit",
     "minimum-time-180",
+    "minimum-time-zero-band",
     "mrp-k3",
     "mrp-k3-2.5rad",
     "mrp-k3-rk4",

@@ -19,11 +19,12 @@ from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.motor_torques import broken_motors
 from jaxatt.problems.scenario import Scenario
-from jaxatt.problems.verdict import Verdict
-from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
+from jaxatt.problems.wheel_speeds import band_records, broken_speeds
 from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
+from jaxatt.records.wheel_bands import BandRecord
 from jaxatt.records.wording import broken_limit, plural, uncertain_flight
 from jaxatt.runtime.arrays import Floats
 
@@ -106,6 +107,7 @@ def _flown_phase(
         pointing=flown.pointing,
         search_steps=task.substeps,
         flight_error=flown.flight_error,
+        wheel_bands=_wheel_bands(task, flown),
         section=SparseSection(
             weight=np.asarray(task.arguments.weight),
             window=window,
@@ -153,6 +155,13 @@ def _broken(q: Quantised) -> list[str]:
     return words if q.flight_error.agreed else [*words, uncertain_flight(q.flight_error)]
 
 
+def _wheel_bands(task: SparseTask, flown: Flown) -> tuple[BandRecord, ...]:
+    """How the wheels kept to the speeds that they avoid."""
+    if flown.wheel_speeds is None or not isinstance(task, SlewTask):
+        return ()
+    return band_records(task.craft.wheels, *flown.wheel_speeds)
+
+
 def _failure_reason(task: SparseTask, answer: Candidates, flown: Flown) -> str:
     """Sentence on the constraint that the closest answer violates."""
     saturated = task.saturated_intervals(answer.controls[0])
@@ -170,10 +179,10 @@ def _failure_reason(task: SparseTask, answer: Candidates, flown: Flown) -> str:
             "wheels' bias in all intervals: give more of them, or ask for a smaller bias",
         )
     speeds: list[str] = []
-    if isinstance(task, SlewTask) and task.has_speed_limits:
-        omega_bw = flown.series["omega_bw"][None, : task.intervals + 1]
-        excess = speed_excess(task.craft.wheels, omega_bw)[0]
-        speeds = broken_speeds(task.craft.wheels, excess, Verdict.MARGIN_TOLERANCE)
+    if flown.wheel_speeds is not None and isinstance(task, SlewTask):
+        wheels, torque = task.craft.wheels, task.wheel_torque(answer.controls[0])
+        speeds = broken_speeds(wheels, *flown.wheel_speeds)
+        speeds += broken_motors(wheels, torque, flown.wheel_speeds[0])
     status = Status(int(answer.status[0]))
     return failure_reason(
         flown.verdict, status, flown.pointing, binding, speeds, flown.flight_error

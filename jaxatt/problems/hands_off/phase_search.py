@@ -48,7 +48,9 @@ def search_phase(
     def rebuild(task: SparseTask, final_time: float) -> SparseTask:
         again = build(scenario, enforce_speed_limits=False, final_time=final_time)
         if isinstance(task, SlewTask) and isinstance(again, SlewTask):
-            return again.enforcing(task.constraint_margin, task.form.speed_limited)
+            return again.enforcing(
+                task.constraint_margin, task.form.speed_limited, task.speed_margin
+            )
         return again
 
     if not horizon.free:

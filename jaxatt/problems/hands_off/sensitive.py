@@ -153,8 +153,8 @@ def _notes(task: SparseTask, support: Support, label: str) -> tuple[str, ...]:
         )
     if task.watches:
         notes.append(
-            "Cones and rates hold at the nodes; what the search tightened them by, for the way "
-            "between, stays as it is."
+            "Cones, rates and wheel speeds hold at the nodes; what the search tightened them by, "
+            "for the way between, stays as it is."
         )
     return tuple(notes)
 

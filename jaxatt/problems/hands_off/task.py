@@ -65,6 +65,8 @@ class Flown:
     reference : name -> target of a series.  end : state at the end of the horizon.
     pointing : None without cones and rate limits.
     flight_error : how wrong the flight can be; None where nothing turns.
+    wheel_speeds : (T, n) [rad/s] until the end of the horizon, and the time [s] between two of
+        them; None where there are no wheels.
     bias : torques that were added for the wheels' bias; None where none is asked for.
     """
 
@@ -75,6 +77,7 @@ class Flown:
     end: InitialState
     pointing: PointingRecord | None = None
     flight_error: FlightError | None = None
+    wheel_speeds: tuple[Floats, float] | None = None
     bias: NullTorque | None = None
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from jaxatt.problems.motor_torques import broken_motors
 from jaxatt.problems.net_power.flight import PoweredFlight
 from jaxatt.problems.net_power.judge import charge_scale
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import broken_speeds
 
 _JOULE = 3600.0  # in a watt hour
 
@@ -17,14 +19,9 @@ def broken_margins(manoeuvre: Manoeuvre, flight: PoweredFlight, row: int) -> lis
 
     row : of some flights of the manoeuvre.
     """
-    wheels = manoeuvre.satellite.craft.wheels
-    most = np.asarray(wheels.speed_limit)
-    over = flight.fastest[row] / most - 1.0
-    found = [
-        f"{wheels.names[index]} exceeds its speed limit of {most[index]:g} rad/s by "
-        f"{100.0 * over[index]:.3g} %"
-        for index in np.flatnonzero(over > Verdict.MARGIN_TOLERANCE)
-    ]
+    wheels, speeds = manoeuvre.satellite.craft.wheels, flight.omega_bw[row]
+    found = broken_speeds(wheels, speeds, float(flight.step[row]), flight.speeds_passed[row])
+    found += broken_motors(wheels, flight.wheel_torque[row], speeds)
     charge = flight.energy.charge[row]
     missing = manoeuvre.floor - float(flight.energy.least_charge[row])
     if missing > Verdict.MARGIN_TOLERANCE * charge_scale(manoeuvre, flight):

@@ -60,8 +60,8 @@ class PoweredFlight:
     wheel_power, magnetorquer_power (S, N + 1) [W] at the battery; where a torque jumps, the power
     after it.
     wheel_torque : (S, N, n) [N m], held over each interval.
-    fastest : (S, n) [rad/s], largest speed of each wheel.  strongest : (S, 3) [A m^2], largest
-    dipole, both at all steps.  step : (S,) [s], of an interval.
+    lowest, highest : (S, n) [rad/s], speed of each wheel.  strongest : (S, 3) [A m^2], largest
+    dipole, all of them within all steps.  step : (S,) [s], of an interval.
     """
 
     q_ib: Floats
@@ -74,9 +74,15 @@ class PoweredFlight:
     wheel_power: Floats
     magnetorquer_power: Floats
     energy: EnergyAccount
-    fastest: Floats
+    lowest: Floats
+    highest: Floats
     strongest: Floats
     step: Floats
+
+    @property
+    def speeds_passed(self) -> Floats:
+        """First, lowest and highest speed of each wheel, (S, 3, n) [rad/s]."""
+        return np.stack([self.omega_bw[:, 0], self.lowest, self.highest], axis=1)
 
 
 def steps_for(manoeuvre: Manoeuvre) -> int:
@@ -249,7 +255,8 @@ def gathered(
     return PoweredFlight(
         **{name: found[name] for name in (*AT_NODES, "wheel_torque")},
         energy=energy,
-        fastest=found["fastest"].max(axis=1),
+        lowest=found["lowest"].min(axis=1),
+        highest=found["highest"].max(axis=1),
         strongest=found["strongest"].max(axis=1),
         step=np.array([one.step for one in chosen]),
     )

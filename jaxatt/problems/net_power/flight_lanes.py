@@ -84,7 +84,8 @@ def _fly(
         "solar": spent.solar.T,
         "wheels": spent.wheels.T,
         "magnetorquers": spent.magnetorquers.T,
-        "fastest": _lanes_first(spent.fastest, spent.solar),
+        "lowest": _lanes_first(spent.lowest, spent.solar),
+        "highest": _lanes_first(spent.highest, spent.solar),
         "strongest": _lanes_first(spent.strongest.parts, spent.solar),
     }
 

@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 
 from jaxatt.attitude import errors
+from jaxatt.problems.motor_torques import motor_excess
 from jaxatt.problems.net_power.flight import PoweredFlight, fly
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import overstay, speed_excess
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft.scale import least_torque_limit
 
@@ -73,11 +75,13 @@ def _limits(manoeuvre: Manoeuvre, flown: PoweredFlight, decided_dipole: bool) ->
 
 
 def _speeds(manoeuvre: Manoeuvre, flown: PoweredFlight) -> Floats:
-    """Largest excess over a wheel's speed limit, relative to it, (S,)."""
-    most = np.asarray(manoeuvre.satellite.craft.wheels.speed_limit)
-    bounded = np.isfinite(most)
-    relative = flown.fastest[:, bounded] / most[bounded] - 1.0
-    return _finite(relative.max(axis=1, initial=0.0))
+    """Largest way out of the range of a wheel's speed, overstay in a band, or excess of a motor,
+    relative, (S,)."""
+    wheels = manoeuvre.satellite.craft.wheels
+    over = speed_excess(wheels, flown.speeds_passed).max(axis=1, initial=0.0)
+    strained = motor_excess(wheels, flown.wheel_torque, flown.omega_bw).max(axis=1, initial=0.0)
+    late = overstay(wheels, flown.omega_bw, flown.step)
+    return _finite(np.maximum.reduce([over, late, strained]))
 
 
 def _floor(manoeuvre: Manoeuvre, flown: PoweredFlight) -> Floats:

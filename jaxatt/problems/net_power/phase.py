@@ -13,6 +13,7 @@ from jaxatt.environment import frames
 from jaxatt.environment.eclipse_times import Eclipse, eclipses
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
+from jaxatt.problems.motor_torques import motor_torque
 from jaxatt.problems.net_power.broken_margins import broken_margins
 from jaxatt.problems.net_power.flight import (
     PoweredFlight,
@@ -23,6 +24,7 @@ from jaxatt.problems.net_power.found import Flown
 from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Motion, Satellite
 from jaxatt.problems.net_power.record import Energy, NetPower
+from jaxatt.problems.wheel_speeds import band_records
 from jaxatt.records.phase import Phase
 from jaxatt.records.starts import StartsRecord
 from jaxatt.runtime.arrays import Floats
@@ -76,6 +78,8 @@ def series_of(manoeuvre: Manoeuvre, flight: PoweredFlight, row: int) -> dict[str
         found["dipole"] = flight.dipole[row]
     if craft.wheels.count:
         torque = flight.wheel_torque[row]
+        if not craft.wheels.motors.ideal:
+            found["torque_motors"] = motor_torque(craft.wheels, torque, flight.omega_bw[row])
         found |= {"torque_wheels": torque, "torque_body": torque @ np.asarray(craft.wheels.axes).T}
     return found
 
@@ -174,6 +178,9 @@ def phase_of(
             distinct_minima=flown.minima,
         ),
         flight_error=flight_error,
+        wheel_bands=band_records(
+            craft.wheels, flight.omega_bw[best], step, flight.speeds_passed[best]
+        ),
         section=NetPower(
             energy=energy,
             claimed=float(solved.claimed[best]),

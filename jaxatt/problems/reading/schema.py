@@ -68,7 +68,14 @@ WHEEL_KEYS = (
     "regeneration",
     "names",
     "failed",
+    "coulomb_friction_Nm",
+    "viscous_friction_Nms",
+    "full_torque_speed_rad_s",
+    "no_torque_speed_rad_s",
+    "avoid",
 )
+AVOID_KEYS = ("from_rad_s", "to_rad_s", "leave_within_s")
+"""Edges of a band of speeds that wheels avoid, and how soon they must leave it."""
 MAGNETORQUER_KEYS = (
     "dipole_limit_Am2",
     "full_power_W",

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.vehicle_part import checked, part, rows
+from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part, rows
 from jaxatt.problems.reading.wheel_axes import read_wheel_axes
+from jaxatt.problems.reading.wheel_speeds import read_avoid
 from jaxatt.spacecraft import (
     Magnetorquers,
     ReactionWheels,
@@ -16,6 +17,9 @@ from jaxatt.spacecraft import (
     thrusters,
 )
 from jaxatt.spacecraft.failed_wheels import loss_sentence, without
+
+_MOTORS = ("coulomb", "viscous", "full_torque_speed", "no_torque_speed")
+"""Arguments of `wheel_motors`."""
 
 
 def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
@@ -34,6 +38,8 @@ def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
     axes = read_wheel_axes(table)
     inertia = table.require("inertia_kgm2", "2.1e-4")
     limit = table.require("torque_limit_Nm", "3e-3")
+    avoid = read_avoid(table, axes.shape[1])
+    motors = {name: table.data[TOML_NAMES[name]] for name in _MOTORS if TOML_NAMES[name] in table}
     whole = checked(
         table,
         lambda: reaction_wheels(
@@ -44,6 +50,8 @@ def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
             table.data.get("efficiency", 1.0),
             table.data.get("regeneration", 0.0),
             names=names,
+            avoid=avoid,
+            motors=motors,
             notes=notes,
         ),
     )

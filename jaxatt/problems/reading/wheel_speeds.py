@@ -1,12 +1,53 @@
-"""Wheel speeds in a scenario's tables: one for each wheel that is mounted."""
+"""Read the speeds that wheels avoid, and those that a scenario gives to wheels that are mounted."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import AVOID_KEYS
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import ReactionWheels
+from jaxatt.spacecraft.checks import FieldError
+from jaxatt.spacecraft.speed_bands import speed_bands
+
+_NAMES = {
+    "slowest": "from_rad_s",
+    "fastest": "to_rad_s",
+    "longest_stay": "leave_within_s",
+}
+
+
+def read_avoid(wheels: Table, count: int) -> list[tuple[Any, Any, Any]]:
+    """Read the [[vehicle.wheels.avoid]] tables of `count` wheels, as `speed_bands` takes them."""
+    given = wheels.data.get("avoid", [])
+    if not isinstance(given, list):
+        wheels.fail(
+            "avoid",
+            "must be a list of tables",
+            "write [[vehicle.wheels.avoid]] with double brackets",
+        )
+    return [
+        _band(data, f"[[vehicle.wheels.avoid]] no. {number}", wheels.origin, count)
+        for number, data in enumerate(given, 1)
+    ]
+
+
+def _band(data: Any, label: str, origin: str, count: int) -> tuple[Any, Any, Any]:
+    table = Table(data, origin, label, AVOID_KEYS)
+    stay = table.number("leave_within_s", 0.0, above=0.0)
+    slowest, fastest = table.data.get("from_rad_s", 0.0), table.require("to_rad_s", "20.0")
+    band = slowest, fastest, stay
+    try:
+        speed_bands([band], count)
+    except FieldError as error:
+        problem, _, mend = error.problem.partition("; ")
+        if "at least 0" in mend or "must be" in mend:
+            mend = f"{mend}: bands are of the magnitude, so that one around zero is from 0"
+        table.fail(_NAMES[error.field], problem, mend)
+    return band
 
 
 def read_wheel_speeds(
@@ -27,11 +68,39 @@ def read_wheel_speeds(
                 f"give 0 for {name}, or take it out of [vehicle.wheels] failed",
             )
     kept: Floats = speeds[list(wheels.working)]
+    check_speeds(table, kept, wheels, key)
+    return kept
+
+
+def check_speeds(
+    table: Table, speeds: Floats, wheels: ReactionWheels, key: str = "wheel_speed_rad_s"
+) -> None:
+    """Refuse speeds (n,) [rad/s] of the wheels that work which they must not have."""
     limits = np.asarray(wheels.speed_limit)
-    if (np.abs(kept) > limits).any():
+    if (np.abs(speeds) > limits).any():
         table.fail(
             key,
             f"exceeds the speed limit {limits.tolist()} rad/s",
             "choose slower wheels or raise [vehicle.wheels] speed_limit_rad_s",
         )
-    return kept
+    bands = wheels.avoid
+    never = np.asarray(bands.longest_stay)[:, None] == 0.0
+    low, high = np.asarray(bands.slowest), np.asarray(bands.fastest)
+    size = np.abs(speeds)
+    inside = never & (size < high) & ((size > low) | (low == 0.0))
+    for k, i in np.argwhere(inside)[:1]:
+        table.fail(
+            key,
+            f"{wheels.names[i]} is at {speeds[i]:g} rad/s, within the {low[k, i]:g} to "
+            f"{high[k, i]:g} rad/s that [[vehicle.wheels.avoid]] no. {k + 1} bars",
+            "give it a speed outside, or give the band leave_within_s",
+        )
+
+
+def note_of_motors(wheels: ReactionWheels, notes: list[str]) -> None:
+    """Note that friction and a falling torque are left to the verdict by a search."""
+    if not wheels.motors.ideal:
+        notes.append(
+            "[vehicle.wheels]: friction and torque that falls with speed are judged in flight; the "
+            "search does not count them"
+        )

@@ -83,7 +83,7 @@ class TimeOptimal(Family):
     def answer_targets(self, scenario: Scenario, targets: Floats) -> TargetAnswers | None:
         # Limits on the way may have to be tightened for each answer by itself.
         task = build_time_task(scenario)
-        if task.pointing or task.form.carries_impulses:
+        if task.watches or task.form.biased:
             return None
         return answer_targets(task, targets, scenario.solver.starts, scenario.solver.seed)
 
@@ -98,7 +98,7 @@ class TimeOptimal(Family):
         report: Report | None,
     ) -> Sequence[TimeAnswer]:
         task = build_time_task(scenario)
-        if task.pointing or task.form.carries_impulses:
+        if task.watches or task.form.biased:
             return super().search_targets(scenario, targets, near, report)
         settings, known = scenario.solver, None if near is None else [each.found for each in near]
         found = search_targets(task, targets, settings.starts, settings.seed, known, report)

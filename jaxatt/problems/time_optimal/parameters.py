@@ -9,6 +9,7 @@ from jax import Array
 
 from jaxatt.problems.pointing.cones import PointingLimits
 from jaxatt.simulation.free_body import FreeBody
+from jaxatt.spacecraft.wheel_motor import WheelMotors
 
 
 @jax.tree_util.register_dataclass
@@ -32,9 +33,11 @@ class ReorientationParameters:
     shortest, longest : () [s], limits of the final time; 0 and inf where there are none.
     limits : cones and rate limits.  directions : (m, 3), of the cones, in inertial axes.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
-    to_wheels : (n, b) [1/s^2]; speed_limit : (n,) [rad/s].
+    to_wheels : (n, b) and wheel_limit : (n,) [1/s^2]; speed_lower, speed_upper : (n,) [rad/s].
     null_momenta : (n - 3, n), of the wheels, which cancel in the body; wheel_bias : (n,) [rad/s],
         speeds at the end in that space, where they are asked for.
+    motors : friction in units of the torque limits, and the fall of the torque; motor_limit : (n,),
+        share of that limit that the programme allows.
     """
 
     body: FreeBody
@@ -57,6 +60,10 @@ class ReorientationParameters:
     wheel_axes: Array
     wheel_inertia: Array
     to_wheels: Array
-    speed_limit: Array
+    speed_lower: Array
+    speed_upper: Array
     null_momenta: Array
     wheel_bias: Array
+    wheel_limit: Array
+    motors: WheelMotors
+    motor_limit: Array

@@ -11,6 +11,7 @@ from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.flown import flown_end, flown_series
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.motor_torques import broken_motors, motor_torque
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.time_optimal.arcs import Arcs
 from jaxatt.problems.time_optimal.record import TimeOptimum
@@ -18,8 +19,7 @@ from jaxatt.problems.time_optimal.search import FreeTimeFound
 from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.switches import switch_times
 from jaxatt.problems.time_optimal.task import ReorientationTask, TimeGoal
-from jaxatt.problems.verdict import Verdict
-from jaxatt.problems.wheel_speeds import broken_speeds, speed_excess
+from jaxatt.problems.wheel_speeds import band_records, broken_speeds
 from jaxatt.records.phase import Phase
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.records.starts import StartsRecord
@@ -77,13 +77,17 @@ def time_record(
         task.tolerances,
         count * between,
     )
-    verdict, flown = task.judge(path, torque[None]), at_nodes(path, between)
+    verdict, flown = task.judge(path, torque[None], np.array([step])), at_nodes(path, between)
     pointing = _pointing(task, found, path)
     reached = bool(verdict.reached[0]) and flight_error.agreed
     effort = float(task.quadratic_effort(torque, np.asarray(step)))
     series = flown_series(flown)
+    wheels = task.craft.wheels
+    speeds = np.asarray(path.omega_bw)[0], float(task.between_nodes(step))
     if n:
         series["torque_wheels"] = torque[:, :n]
+        if not wheels.motors.ideal:
+            series["torque_motors"] = motor_torque(wheels, torque[:, :n], speeds[0])
         series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
     if task.craft.thrusters.count:
         series["torque_thrusters"] = torque[:, n:]
@@ -93,7 +97,7 @@ def time_record(
     names = task.craft.wheels.names + tuple(
         f"thruster {i + 1}" for i in range(task.craft.thrusters.count)
     )
-    wheels, thrusters = task.craft.wheels, task.craft.thrusters
+    thrusters = task.craft.thrusters
     upper = np.concatenate([np.asarray(wheels.torque_limit), np.asarray(thrusters.torque_limit)])
     lower = np.concatenate([-np.asarray(wheels.torque_limit), np.zeros(thrusters.count)])
     active = np.abs(found.controls) > IDLE_SHARE * upper
@@ -121,7 +125,10 @@ def time_record(
             verdict,
             Status(int(found.status[best])),
             pointing,
-            broken_margins=_broken_speeds(task, path),
+            broken_margins=[
+                *broken_speeds(wheels, *speeds),
+                *broken_motors(wheels, torque[:, :n], speeds[0]),
+            ],
             flight_error=flight_error,
         ),
         active=active[best].any(axis=1),
@@ -138,6 +145,7 @@ def time_record(
         pointing=pointing,
         search_steps=found.substeps,
         flight_error=flight_error,
+        wheel_bands=band_records(wheels, *speeds),
         section=TimeOptimum(
             effort_weight=scenario.objective.effort_weight,
             cost=float(found.cost[best]),
@@ -157,15 +165,6 @@ def time_record(
         ),
     )
     return record, flown_end(flown, count)
-
-
-def _broken_speeds(task: ReorientationTask, flown: Trajectory) -> list[str]:
-    """Words on the wheels that turn too fast in a flight."""
-    if not task.form.speed_limited:
-        return []
-    wheels = task.craft.wheels
-    excess = speed_excess(wheels, flown.omega_bw)[0]
-    return broken_speeds(wheels, excess, Verdict.MARGIN_TOLERANCE)
 
 
 def _pointing(

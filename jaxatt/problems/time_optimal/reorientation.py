@@ -28,13 +28,15 @@ from jaxatt.problems.pointing.cones import pointing_margins
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
 from jaxatt.problems.time_optimal.derivatives import IntervalDerivatives, torques
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
-from jaxatt.simulation.free_body import BodyForm, step
+from jaxatt.simulation.free_body import BodyForm, derivative, step
+from jaxatt.spacecraft.wheel_motor import motor_margins
 
 
 @dataclass(frozen=True)
 class ReorientationForm:
     """Static choices, which are compiled in: the body's form, and which limits there are.
 
+    motor_limited : whether the torque of a wheel's motor depends on its speed.
     biased : whether a bias of the wheels is asked for at the end.
     """
 
@@ -42,14 +44,15 @@ class ReorientationForm:
     shortest_limited: bool = False
     longest_limited: bool = False
     speed_limited: bool = False
+    motor_limited: bool = False
     biased: bool = False
     cones: int = 0
     rate_limited: bool = False
 
     @property
     def carries_impulses(self) -> bool:
-        """Whether wheel speeds matter, which follow from the impulses of the controls."""
-        return self.speed_limited or self.biased
+        """Whether wheel speeds matter, so that the impulse of every control is a state."""
+        return self.speed_limited or self.motor_limited or self.biased
 
 
 @functools.cache
@@ -60,7 +63,7 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
     carried, turn = body.size, body.attitude_size
     impulses = size if form.carries_impulses else 0
     closed = IntervalDerivatives(body, impulses, size)
-    limited = form.cones or form.rate_limited or form.speed_limited
+    limited = form.cones or form.rate_limited or form.speed_limited or form.motor_limited
     time_limited = form.shortest_limited or form.longest_limited
 
     def start(p: ReorientationParameters) -> Array:
@@ -97,9 +100,21 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         if form.cones or form.rate_limited:
             q = x[:4] if quaternion else mrp.to_quaternion(x[:3])
             rows.append(pointing_margins(q, x[turn : turn + 3], p.directions, p.limits))
+        if not form.speed_limited and not form.motor_limited:
+            return jnp.concatenate(rows)
+        speeds = wheel_speeds(x, p)
         if form.speed_limited:
-            relative = wheel_speeds(x, p) / p.speed_limit
-            rows += [1.0 - relative, 1.0 + relative]
+            rows += [
+                jnp.sign(p.speed_upper) - speeds / jnp.abs(p.speed_upper),
+                speeds / jnp.abs(p.speed_lower) - jnp.sign(p.speed_lower),
+            ]
+        if form.motor_limited:
+            taken = jnp.sum(p.to_wheels * u[None], axis=1)
+            rates = derivative(tuple(x[i] for i in range(carried)), torques(p, u), p.body, body)
+            turning = jnp.stack(rates[turn : turn + 3])
+            spinning = taken / p.wheel_inertia - jnp.sum(p.wheel_axes * turning[:, None], axis=0)
+            for at in (speeds, speeds + share * jnp.exp(x[-1]) * spinning):
+                rows += motor_margins(p.motors, taken / p.wheel_limit, at, p.motor_limit)
         return jnp.concatenate(rows)
 
     def final_inequality(x: Array, p: ReorientationParameters) -> Array:

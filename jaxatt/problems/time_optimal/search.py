@@ -24,12 +24,13 @@ from jaxatt.optimize.interior_point.model import Bounded
 from jaxatt.optimize.interior_point.solver import InteriorSolution
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.optimize.status import Status
+from jaxatt.problems.motor_torques import motor_excess
 from jaxatt.problems.time_optimal.batch import solve_paths
 from jaxatt.problems.time_optimal.paths import Paths
 from jaxatt.problems.time_optimal.starts import starts_of
 from jaxatt.problems.time_optimal.task import ReorientationTask
 from jaxatt.problems.verdict import Verdict
-from jaxatt.problems.wheel_speeds import speed_excess
+from jaxatt.problems.wheel_speeds import overstay, speed_excess, speed_range
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -136,7 +137,7 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     torque = task.torques(np.nan_to_num(solution.u))
     step = np.where(finite, np.exp(np.where(finite, solution.x[:, -1, -1], 0.0)), np.nan)
     flown = task.fly(torque, np.nan_to_num(step))
-    verdict = task.judge(flown, torque)
+    verdict = task.judge(flown, torque, np.nan_to_num(step))
     status = np.where(finite, solution.status, int(Status.NOT_FINITE))
     cost = task.cost(torque, step)
     best, minima, share = _ranked(cost, status, verdict)
@@ -180,10 +181,13 @@ def _ranked(cost: Floats, status: Floats, verdict: Verdict) -> tuple[int, int, f
 def _between_nodes(
     task: ReorientationTask, paths: Paths, found: FreeTimeFound, report: Report | None
 ) -> FreeTimeFound:
-    """Tighten limits on the way that the best answer violates between nodes; solve again."""
-    limited = bool(task.pointing) or task.form.speed_limited
-    slower = np.zeros(task.craft.wheels.count)
-    for _ in range(_MOST_TIGHTENINGS if limited else 0):
+    """Tighten limits on the way that the best answer violates between nodes; solve again.
+
+    Bands of speed that a wheel may cross are barred where it does not leave them in time.
+    """
+    wheels, crossing = task.craft.wheels, None
+    slower, weaker = np.zeros(wheels.count), np.zeros(wheels.count)
+    for _ in range(_MOST_TIGHTENINGS if task.watches else 0):
         ended = np.flatnonzero(found.status == Status.CONVERGED)
         if not len(ended):
             return found
@@ -191,26 +195,37 @@ def _between_nodes(
         torque, step = found.controls[index : index + 1], found.step[index : index + 1]
         flown = task.fly(torque, step)
         excess = task.watch(flown).excess[0]
-        over = speed_excess(task.craft.wheels, flown.omega_bw)[0]
-        if found.verdict.reached[index] or not max(excess.max(), over.max(initial=0.0)) > 0.0:
-            return found
+        over = speed_excess(wheels, flown.omega_bw, crossing is not None)[0]
+        n = wheels.count
+        strained = motor_excess(wheels, torque[..., :n], flown.omega_bw)[0]
+        late = overstay(wheels, flown.omega_bw, task.between_nodes(step))[0] > 0.0
+        beyond = max(part.max(initial=0.0) for part in (excess, over, strained))
+        if crossing is None and late:
+            crossing = found
+        elif found.verdict.reached[index] or not beyond > 0.0:
+            break
         constraint_margin = found.constraint_margin + _TIGHTER * np.maximum(excess, 0.0)
         slower = slower + _TIGHTER * np.maximum(over, 0.0)
+        weaker = weaker + _TIGHTER * np.maximum(strained, 0.0)
+        begins = task.initial_state.omega_bw
+        slowest, fastest = speed_range(wheels, begins, slower, crossing is not None)
         stricter = replace(
             task.parameters,
             limits=task.limits(constraint_margin),
-            speed_limit=jnp.asarray(task.speed_limits(slower)),
+            speed_lower=jnp.asarray(slowest),
+            speed_upper=jnp.asarray(fastest),
+            motor_limit=jnp.asarray(1.0 - weaker),
         )
         again = evaluate(task, paths, solve_paths(task, paths, None, stricter, report))
         found = replace(again, constraint_margin=constraint_margin)
-    return found
+    return found if crossing is None or found.reached[found.best] else crossing
 
 
 def _nothing_to_do(task: ReorientationTask) -> FreeTimeFound:
     """The answer where the start is the target: no time, no torque."""
     scaled = np.zeros((1, task.intervals, task.actuation.size))
     torque, nothing = task.torques(scaled), np.zeros(1)
-    verdict = task.judge(task.fly(torque, nothing), torque)
+    verdict = task.judge(task.fly(torque, nothing), torque, nothing)
     return FreeTimeFound(
         scaled=scaled,
         states=starts_of(task, 1, 0).states,

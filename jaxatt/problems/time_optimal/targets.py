@@ -78,7 +78,7 @@ class _Flown:
             task.flight_steps,
             task.tolerances,
         )
-        verdict = task.aiming_at(self.targets[rows]).judge(flown, torque)
+        verdict = task.aiming_at(self.targets[rows]).judge(flown, torque, step)
         self.reached[rows] = verdict.reached & flight.agreed
         self.flown_torque[rows], self.flown_step[rows] = torque, step
         noted = {

@@ -15,6 +15,7 @@ from jaxatt.attitude import errors, mrp
 from jaxatt.attitude.host_turns import conjugate, product
 from jaxatt.environment.table import EnvironmentTable, Surroundings, environment_at, tabulate
 from jaxatt.problems.manoeuvre import InitialState, Target
+from jaxatt.problems.motor_torques import in_shares, motor_excess
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.cones import PointingLimits, cone_angles
 from jaxatt.problems.pointing.watch import ObservedPath
@@ -22,7 +23,7 @@ from jaxatt.problems.time_optimal.actuation import actuation
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.problems.time_optimal.reorientation import ReorientationForm, reorientation
 from jaxatt.problems.verdict import Verdict
-from jaxatt.problems.wheel_speeds import speed_excess
+from jaxatt.problems.wheel_speeds import overstay, speed_excess, speed_range
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import in_chunks, rows_of_flights
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
@@ -115,7 +116,6 @@ class ReorientationTask:
             jnp.asarray(initial_state.omega_bw),
         )
         momentum = np.asarray(total_momentum(craft, initial_state.omega_ob, initial_state.omega_bw))
-        limited = bool(np.isfinite(np.asarray(wheels.speed_limit)).any())
         self.form = ReorientationForm(
             BodyForm(
                 goal.attitude,
@@ -126,7 +126,8 @@ class ReorientationTask:
             ),
             shortest_limited=goal.shortest > 0.0,
             longest_limited=bool(np.isfinite(goal.longest)),
-            speed_limited=limited,
+            speed_limited=wheels.has_speed_limits,
+            motor_limited=not wheels.motors.ideal,
             biased=target.wheel_bias is not None,
             cones=len(pointing.cones),
             rate_limited=pointing.rate_limit is not None,
@@ -151,6 +152,7 @@ class ReorientationTask:
         if self.form.body.momentum == "carried":
             begin.append(self.momentum / self.unit)
         goal, unit, bias = self.goal, self.unit, self.target.wheel_bias
+        slowest, fastest = speed_range(wheels, self.initial_state.omega_bw)
         return ReorientationParameters(
             body=FreeBody(
                 jnp.asarray(craft.inertia / unit),
@@ -175,9 +177,13 @@ class ReorientationTask:
             wheel_axes=jnp.asarray(wheels.axes),
             wheel_inertia=jnp.asarray(wheels.inertia / unit),
             to_wheels=jnp.asarray(a.to_wheels / unit),
-            speed_limit=jnp.asarray(wheels.speed_limit),
+            speed_lower=jnp.asarray(slowest),
+            speed_upper=jnp.asarray(fastest),
             null_momenta=jnp.asarray(null_momenta(wheels).T if wheels.count else np.zeros((0, 0))),
             wheel_bias=jnp.zeros(wheels.count) if bias is None else jnp.asarray(bias),
+            wheel_limit=jnp.asarray(wheels.torque_limit / unit),
+            motors=in_shares(wheels),
+            motor_limit=jnp.ones(wheels.count),
         )
 
     @property
@@ -212,15 +218,6 @@ class ReorientationTask:
     def limits(self, constraint_margin: Floats) -> PointingLimits:
         """Cones and rates for the solver, tightened by the margin; see `Pointing.path`."""
         return self.pointing.path(self.directions[None], constraint_margin).limits
-
-    def speed_limits(self, slower: Floats) -> Floats:
-        """Speed limits (n,) [rad/s] of the wheels, lower by the shares `slower` (n,).
-
-        Not lower than a wheel turns at the start, which nothing changes.
-        """
-        limit = np.asarray(self.craft.wheels.speed_limit)
-        first = np.minimum(np.abs(np.asarray(self.initial_state.omega_bw)), limit)
-        return np.maximum(limit * (1.0 - slower), first)
 
     @functools.cached_property
     def _relative(self) -> Floats:
@@ -270,9 +267,15 @@ class ReorientationTask:
         return judging_steps(self.form.body.substeps)
 
     @property
+    def watches(self) -> bool:
+        """Whether the way has limits, so that flights are judged between the nodes."""
+        limited = self.form.speed_limited or self.form.motor_limited
+        return bool(self.pointing) or limited
+
+    @property
     def nodes_between(self) -> int:
         """Nodes an interval at which flights are judged: many where the way has limits."""
-        return MINIMUM_SUBSTEPS if self.pointing or self.form.speed_limited else 1
+        return MINIMUM_SUBSTEPS if self.watches else 1
 
     def fly(
         self, torque: Floats, step: Floats, between: int | None = None, times: int = 1
@@ -323,8 +326,15 @@ class ReorientationTask:
             allowed["wheel bias"] = self.target.bias_tolerance
         return allowed
 
-    def judge(self, flown: Trajectory, torque: Floats) -> Verdict:
-        """Judge the errors of flights at their end, and the limits at all of their nodes."""
+    def between_nodes(self, step: Floats | float) -> Floats:
+        """Time [s] between two nodes of flights with intervals of `step` [s]."""
+        return np.asarray(step) / self.nodes_between
+
+    def judge(self, flown: Trajectory, torque: Floats, step: Floats) -> Verdict:
+        """Judge the errors of flights at their end, and the limits at all of their nodes.
+
+        flown, torque, step : as `fly` has them.
+        """
         wheels, thrusters, n = self.craft.wheels, self.craft.thrusters, self.craft.wheels.count
         q = np.asarray(flown.q_ob)
         found = {
@@ -347,6 +357,8 @@ class ReorientationTask:
         )
         worst = [np.zeros(len(q))]
         worst.append(speed_excess(wheels, flown.omega_bw).max(axis=1, initial=-1.0))
+        worst.append(motor_excess(wheels, wheel, flown.omega_bw).max(axis=1, initial=0.0))
+        worst.append(overstay(wheels, flown.omega_bw, self.between_nodes(step)))
         if self.pointing:
             worst.append(self.watch(flown).violation)
         return Verdict(

@@ -2,6 +2,7 @@
 
 import functools
 from dataclasses import replace
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -17,10 +18,17 @@ from jaxatt.optimize.solver import solve
 from jaxatt.optimize.status import Status
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.search.polish import POLISH, count_arguments, effort_arguments
-from jaxatt.problems.hands_off.slew.model import SlewForm, terminal_rows, wheel_speeds
+from jaxatt.problems.hands_off.slew.model import (
+    SlewForm,
+    range_margins,
+    terminal_rows,
+    wheel_speeds,
+)
 from jaxatt.problems.hands_off.slew.stages import slew_stages
 from jaxatt.problems.hands_off.sparse_stages import sparse_stage_roots, sparse_stages
+from jaxatt.problems.wheel_speeds import speed_range
 from jaxatt.runtime.settings import QUICK_TO_COMPILE, RUNS_ONCE
+from jaxatt.spacecraft import reaction_wheels
 
 
 @functools.cache
@@ -72,7 +80,7 @@ def test_stages_fly_as_the_roll_out_does(name, form, speed):
         node = int(args.plant.waypoint_node)
         np.testing.assert_allclose(waypoint[node], rows[6:], rtol=1e-10, atol=1e-12)
     if form.speed_limited:
-        relative = np.asarray(speeds[-1]) / np.asarray(args.plant.speed_limit)
+        relative = np.asarray(speeds[-1]) / speed
         expected = np.concatenate([1.0 - relative, 1.0 + relative])
         np.testing.assert_allclose(margins, expected, rtol=1e-9)
     scale = np.abs(np.asarray(exact)).max(axis=0, keepdims=True)
@@ -119,3 +127,16 @@ def test_slews_of_any_size_arrive(attitude):
         assert float(solution.violation[lane]) <= POLISH.tolerance
         assert float(solution.stationarity[lane]) <= POLISH.stationarity
     assert (status == Status.CONVERGED).sum() >= 2
+
+
+def test_margins_of_a_range_count_from_its_ends():
+    """Beside a band a wheel has two ends of one sign."""
+    rng = np.random.default_rng(61)
+    wheels = reaction_wheels(np.eye(3), 1e-5, 1e-3, 300.0, avoid=[(20.0, 90.0, 0.0)])
+    lower, upper = speed_range(wheels, np.array([100.0, 0.0, -100.0]))
+    np.testing.assert_array_equal([lower, upper], [[90.0, -20.0, -300.0], [300.0, 20.0, -90.0]])
+    ends = SimpleNamespace(speed_lower=jnp.asarray(lower), speed_upper=jnp.asarray(upper))
+    speeds = rng.uniform(-400.0, 400.0, (50, 3))
+    above, below = (np.asarray(side) for side in range_margins(jnp.asarray(speeds), ends))
+    np.testing.assert_allclose(above, (upper - speeds) / np.abs(upper), atol=1e-12)
+    np.testing.assert_allclose(below, (speeds - lower) / np.abs(lower), atol=1e-12)

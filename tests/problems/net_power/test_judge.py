@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from jaxatt.problems.net_power.flight import fly
 from jaxatt.problems.net_power.judge import judge_flight, judge_manoeuvre
+from jaxatt.spacecraft.speed_bands import speed_bands
+from jaxatt.spacecraft.wheel_motor import wheel_motors
 
 
 def test_errors_are_those_of_the_flown_end():
@@ -53,7 +55,7 @@ def test_torques_and_speeds_beyond_their_limits_are_found():
     verdict = judge_manoeuvre(task, torque)
     assert verdict.limit_violation == pytest.approx([1e-4, 0.0], abs=1e-9)
     # The wheel is fastest in the middle: 5 s at 3 mN m, and the body turns against it.
-    fastest = fly(task, torque).fastest[1, 2]
+    fastest = np.abs(fly(task, torque).speeds_passed[1, :, 2]).max()
     assert 3e-3 * 5.0 / 2.1e-4 < fastest < 1.05 * 3e-3 * 5.0 / 2.1e-4
     wheels = dataclasses.replace(
         task.satellite.craft.wheels, speed_limit=np.array([np.inf, np.inf, 0.8 * fastest])
@@ -83,3 +85,45 @@ def test_what_is_not_a_number_is_not_reached():
     torque = np.full((1, 80, 3), np.nan)
     verdict = judge_manoeuvre(task, torque)
     assert not verdict.reached[0] and np.isinf(verdict.errors["attitude"][0])
+
+
+def with_wheels(task, **changes):
+    """The manoeuvre with other wheels."""
+    wheels = dataclasses.replace(task.satellite.craft.wheels, **changes)
+    craft = dataclasses.replace(task.satellite.craft, wheels=wheels)
+    return dataclasses.replace(task, satellite=dataclasses.replace(task.satellite, craft=craft))
+
+
+def test_motors_pay_for_friction_and_are_judged():
+    task = dataclasses.replace(chapter_4(), end=None)
+    torque = np.zeros((1, 80, 3))
+    torque[0, :10, 2], torque[0, 40:50, 2] = 2e-3, -2e-3
+    rubbing = with_wheels(task, motors=wheel_motors(3, coulomb=1e-4, viscous=1e-6))
+    free, flown = fly(task, torque), fly(rubbing, torque)
+    # What is planned is what acts on wheel and body: the motion is the same.
+    np.testing.assert_array_equal(free.omega_bw, flown.omega_bw)
+    speed = np.abs(free.omega_bw[0])
+    lost = (1e-4 * speed + 1e-6 * speed**2).sum(axis=1)
+    lost = np.trapezoid(lost, dx=float(free.step[0]))
+    more = float(flown.energy.wheels_J[0] - free.energy.wheels_J[0])
+    efficiency = float(np.asarray(task.satellite.craft.wheels.efficiency))
+    assert more == pytest.approx(lost / efficiency, rel=2e-3) and more > 1e-2
+    assert judge_flight(rubbing, flown).reached[0]
+    fast = float(speed.max())
+    weak = with_wheels(
+        task, motors=wheel_motors(3, full_torque_speed=0.1 * fast, no_torque_speed=fast)
+    )
+    assert not judge_flight(weak, flown).reached[0]
+
+
+def test_bands_that_a_manoeuvre_crosses_are_found():
+    task = dataclasses.replace(chapter_4(), end=None)
+    torque = np.zeros((1, 80, 3))
+    torque[0, :10, 2] = 2e-3
+    flown = fly(task, torque)
+    begins, ends = flown.omega_bw[0, 0, 2], flown.speeds_passed[0, :, 2].max()
+    low, high = begins + 0.4 * (ends - begins), begins + 0.6 * (ends - begins)
+    # Accelerated evenly for 5 s, the wheel is between the two for one.
+    for stay, kept in ((0.0, False), (0.8, False), (1.2, True)):
+        banded = with_wheels(task, avoid=speed_bands([(low, high, stay)], 3))
+        assert judge_flight(banded, flown).reached[0] == kept

@@ -159,7 +159,7 @@ def test_limits_would_be_broken_without_them():
     index = unlimited.best
     torque, step = unlimited.controls[index][None], unlimited.step[index][None]
     flown = task.fly(torque, step, between=20)
-    assert task.judge(flown, torque).margin_violation[0] > 1e-3
+    assert task.judge(flown, torque, step).margin_violation[0] > 1e-3
 
 
 def test_at_the_target_there_is_nothing_to_do():

@@ -19,6 +19,7 @@ from jaxatt.problems.hands_off.search.search import Found, chosen, search
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.problems.verdict import Verdict
+from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report, chunk_for
 
@@ -34,13 +35,10 @@ class Limited:
     """Outcome of a search under path constraints.
 
     task : as it was searched in the end.  found : what was found.
-    constraint_margin : (m + 1,), by how much limits were taken stricter than they are: cones [rad],
-        then the rates, as a share; None where the search did not need them.
     """
 
     task: SparseTask
     found: Found
-    constraint_margin: Floats | None
 
 
 def search_within_limits(
@@ -53,9 +51,9 @@ def search_within_limits(
 ) -> Limited:
     """As `search`, for a task whose path constraints are at first only judged."""
     if not isinstance(task, SlewTask) or not task.has_path_limits:
-        return Limited(task, search(task, count, seed, guess, inner, report), None)
+        return Limited(task, search(task, count, seed, guess, inner, report))
     anywhere = search(task.ignoring_path_limits(), count, seed, guess, inner, report)
-    last = Limited(task, _judged(task, anywhere), None)
+    last = Limited(task, _judged(task, anywhere))
     if _violating(last) is None:
         return last
     outcomes = [last]
@@ -63,14 +61,13 @@ def search_within_limits(
         constraint_margin = np.zeros(len(task.pointing.cones) + 1) if task.pointing else None
         enforced = task.enforcing(constraint_margin, speeds)
         found = search(enforced, count, seed, guess, inner, report)
-        outcomes.append(Limited(enforced, found, constraint_margin))
+        outcomes.append(Limited(enforced, found))
         for _ in range(_ROUNDS):
-            constraint_margin = _grown(outcomes[-1])
-            if constraint_margin is None:
+            tightened = _tightened(outcomes[-1])
+            if tightened is None:
                 break
-            enforced = task.enforcing(constraint_margin, speeds)
-            found = _polished_again(enforced, found, inner)
-            outcomes.append(Limited(enforced, found, constraint_margin))
+            found = _polished_again(tightened, found, inner)
+            outcomes.append(Limited(tightened, found))
         if _violating(outcomes[-1]) is None:
             break
     # A larger margin may cost an answer that the round before it found.
@@ -132,12 +129,20 @@ def _polished_again(task: SlewTask, found: Found, inner: str) -> Found:
     return chosen(task, starts, kept)
 
 
-def _grown(outcome: Limited) -> Floats | None:
-    """Larger constraint margin for the violating answer; None without need or use."""
-    first, task, constraint_margin = _violating(outcome), outcome.task, outcome.constraint_margin
-    if first is None or constraint_margin is None or not isinstance(task, SlewTask):
+def _tightened(outcome: Limited) -> SlewTask | None:
+    """The task with larger margins for the violating answer; None without need or use."""
+    first, task = _violating(outcome), outcome.task
+    if first is None or not isinstance(task, SlewTask):
         return None
-    excess = task.watch(task.fly(first.controls)).excess[0]
-    if not excess.max() > 0.0 or excess.max() > _LITTLE:
+    flown = task.fly(first.controls)
+    margin, excess = task.constraint_margin, np.zeros(1)
+    over = np.zeros(task.craft.wheels.count)
+    if margin is not None:
+        excess = task.watch(flown).excess[0]
+        margin = margin + np.where(excess > 0.0, _BEYOND * excess, 0.0)
+    if task.limits_speeds:
+        over = np.maximum(speed_excess(task.craft.wheels, task.wheel_speeds(flown)[0])[0], 0.0)
+    worst = max(excess.max(), over.max(initial=0.0))
+    if not 0.0 < worst <= _LITTLE:
         return None
-    return constraint_margin + np.where(excess > 0.0, _BEYOND * excess, 0.0)
+    return task.enforcing(margin, task.limits_speeds, task.speed_margin + _BEYOND * over)

@@ -17,6 +17,7 @@ from jaxatt.problems.hands_off.task import Goal
 from jaxatt.problems.manoeuvre import Target, Waypoint
 from jaxatt.problems.pointing.cones import NO_POINTING, PointingPath
 from jaxatt.problems.terminal_rows import RATE_SCALE
+from jaxatt.problems.wheel_speeds import speed_range
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -76,6 +77,7 @@ def slew_parameters(
     reference = _nearer(np.asarray(target.q_ob), first)
     passed = reference if waypoint is None else _nearer(np.asarray(waypoint.q_ob), first)
     inverse_inertia = np.linalg.inv(np.asarray(craft.inertia_without_spin))
+    slowest, fastest = speed_range(wheels, start.omega_bw, every_band=True)
     # Not jnp.asarray, which compiles a program for each shape.
     return SlewParameters(
         body=BodyParameters(jax.device_put(craft.inertia), jax.device_put(inverse_inertia)),
@@ -96,7 +98,8 @@ def slew_parameters(
         wheel_axes=jax.device_put(wheels.axes),
         wheel_inertia=jax.device_put(wheels.inertia),
         wheel_torque=jax.device_put(m.to_wheel * m.scale),
-        speed_limit=jax.device_put(wheels.speed_limit),
+        speed_lower=jax.device_put(slowest),
+        speed_upper=jax.device_put(fastest),
         pointing=pointing,
     )
 

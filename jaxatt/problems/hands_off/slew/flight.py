@@ -8,6 +8,7 @@ from jaxatt.problems.flown import flown_end, flown_series
 from jaxatt.problems.hands_off.null_torque import NullTorque, null_torque
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import Flown
+from jaxatt.problems.motor_torques import motor_torque
 from jaxatt.records.pointing import PointingRecord
 from jaxatt.runtime.arrays import Floats
 from jaxatt.simulation.flight import Trajectory
@@ -34,6 +35,10 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
     if task.craft.wheels.count:
         series["torque_body"] = task.body_torque(controls[0])
         series["torque_wheels"] = task.wheel_torque(controls[0])
+        if not task.craft.wheels.motors.ideal:
+            series["torque_motors"] = motor_torque(
+                task.craft.wheels, series["torque_wheels"], _speeds(task, flown)[0]
+            )
     if task.craft.thrusters.count:
         series["torque_thrusters"] = task.thrust(controls[0])
     reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
@@ -53,6 +58,7 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
         flown_end(flown, task.intervals),
         _pointing(task, flown),
         flight_error,
+        _speeds(task, flown),
         bias,
     )
 
@@ -73,6 +79,12 @@ def _bias_torque(task: SlewTask, controls: Floats) -> NullTorque:
     idle = [k for k in range(end) if free[k].any() and not used[k]]
     order = sorted(idle, key=lambda k: (weight[k], near[k], k))
     return null_torque(basis, impulse, held, np.asarray(wheels.torque_limit), task.step, order)
+
+
+def _speeds(task: SlewTask, flown: Trajectory) -> tuple[Floats, float]:
+    """Wheel speeds (T, n) [rad/s] of a flight (S = 1), and the time [s] between two of them."""
+    speeds, step = task.wheel_speeds(flown)
+    return speeds[0], step
 
 
 def _pointing(task: SlewTask, flown: Trajectory) -> PointingRecord | None:

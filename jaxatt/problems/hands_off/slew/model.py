@@ -39,7 +39,7 @@ class SlewParameters:
     step : () [s], length of an interval.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
     wheel_torque : (n, b) [N m], wheel torques of a unit of the controls;
-    speed_limit : (n,) [rad/s].
+    speed_lower, speed_upper : (n,) [rad/s], range of the wheel speeds.
     pointing : cones and rate limits along the slew.
     """
 
@@ -61,7 +61,8 @@ class SlewParameters:
     wheel_axes: Array
     wheel_inertia: Array
     wheel_torque: Array
-    speed_limit: Array
+    speed_lower: Array
+    speed_upper: Array
     pointing: PointingPath
 
 
@@ -156,8 +157,20 @@ def speed_margins(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     """Distance of every wheel speed to its limits, in units of the limit; (0,) without limits."""
     if not form.speed_limited:
         return jnp.zeros((0,), u.dtype)
-    relative = wheel_speeds(u, p, form) / p.speed_limit[None]
-    return jnp.concatenate([(1.0 - relative).ravel(), (1.0 + relative).ravel()])
+    return jnp.concatenate([side.ravel() for side in range_margins(wheel_speeds(u, p, form), p)])
+
+
+def range_margins(speeds: Array, p: SlewParameters) -> tuple[Array, Array]:
+    """Distances of wheel speeds (..., n) [rad/s] to the upper and the lower end of their range.
+
+    In units of the speed there; 1 where there is no end.
+    """
+    shape = (1,) * (speeds.ndim - 1) + p.speed_upper.shape
+    upper, lower = p.speed_upper.reshape(shape), p.speed_lower.reshape(shape)
+    return (
+        jnp.sign(upper) - speeds / jnp.abs(upper),
+        speeds / jnp.abs(lower) - jnp.sign(lower),
+    )
 
 
 def bound_margins(u: Array, p: SlewParameters) -> Array:

@@ -24,6 +24,7 @@ from jaxatt.problems.hands_off.slew.model import (
     SlewParameters,
     inertial_reference,
     inertial_waypoint,
+    range_margins,
     rate_row,
 )
 from jaxatt.problems.hands_off.slew.pointing_path import node_margins
@@ -53,8 +54,7 @@ def _wheel_speeds(x: Array, p: SlewParameters) -> Array:
 
 
 def _speed_margins(x: Array, p: SlewParameters) -> Array:
-    relative = _wheel_speeds(x, p) / p.speed_limit
-    return jnp.concatenate([1.0 - relative, 1.0 + relative])
+    return jnp.concatenate(range_margins(_wheel_speeds(x, p), p))
 
 
 @functools.cache

@@ -33,10 +33,11 @@ from jaxatt.problems.manoeuvre import (
     Waypoint,
     long_way_probability,
 )
+from jaxatt.problems.motor_torques import motor_excess
 from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.problems.pointing.watch import ObservedPath, PathMonitor
 from jaxatt.problems.verdict import Verdict
-from jaxatt.problems.wheel_speeds import speed_excess
+from jaxatt.problems.wheel_speeds import overstay, speed_excess, speed_range
 from jaxatt.runtime.arrays import Flags, Floats
 from jaxatt.runtime.chunks import in_chunks
 from jaxatt.runtime.compilation import Routine
@@ -113,6 +114,7 @@ class SlewTask(SparseTask):
         self.start = beginning.state
         self.pointing = pointing
         self.constraint_margin: Floats | None = None
+        self.speed_margin: Floats = np.zeros(craft.wheels.count)
         self.judges_path, self.judges_bias = True, False
         self.path_monitor = PathMonitor(self.table, pointing, grid.start_time)
         self.flights = SlewFlights(
@@ -149,22 +151,32 @@ class SlewTask(SparseTask):
         )
         self.arguments = slew_arguments(plant, self.mounting, goal, weight, forbidden, form, axes)
 
-    def enforcing(self, constraint_margin: Floats | None, speeds: bool) -> SlewTask:
+    def enforcing(
+        self, constraint_margin: Floats | None, speeds: bool, speed_margin: Floats | None = None
+    ) -> SlewTask:
         """The same slew with path constraints in the programme, not only in the verdict.
 
         constraint_margin : (m + 1,), how much stricter cones [rad] and rates (a share) are taken
         than they are; None leaves them to the verdict.  speeds : whether wheel speed limits are
-        enforced.
+        enforced.  speed_margin : (n,), how much stricter those are taken, as a share.
         """
         other = copy.copy(self)
         other.constraint_margin = constraint_margin
+        plant = self.arguments.plant
+        if speed_margin is not None:
+            other.speed_margin = speed_margin
+            ends = speed_range(
+                self.craft.wheels, self.start.omega_bw, speed_margin, every_band=True
+            )
+            slowest, fastest = (jax.device_put(end) for end in ends)
+            plant = replace(plant, speed_lower=slowest, speed_upper=fastest)
         speeds = speeds and self.has_speed_limits and not self.form.has_thrusters
         other.form = replace(self.form, speed_limited=speeds, pointed=constraint_margin is not None)
         other.system = slew_system(other.form)
         if constraint_margin is not None:
             path = self.pointing.path(self.path_monitor.at_nodes(self.intervals), constraint_margin)
-            plant = replace(self.arguments.plant, pointing=path)
-            other.arguments = replace(self.arguments, plant=plant)
+            plant = replace(plant, pointing=path)
+        other.arguments = replace(self.arguments, plant=plant)
         return other
 
     def adding(self, null_torque: Floats) -> SlewTask:
@@ -179,9 +191,12 @@ class SlewTask(SparseTask):
         """See `SparseTask.keeping_path_limits_of`."""
         if not self.watches:
             return self
-        given = like.constraint_margin if isinstance(like, SlewTask) else None
-        margin = np.zeros(len(self.pointing.cones) + 1) if given is None else given
-        return self.enforcing(margin, like.limits_speeds)
+        margin: Floats | None = None
+        if self.pointing:
+            given = like.constraint_margin if isinstance(like, SlewTask) else None
+            margin = np.zeros(len(self.pointing.cones) + 1) if given is None else given
+        speed_margin = like.speed_margin if isinstance(like, SlewTask) else None
+        return self.enforcing(margin, like.limits_speeds, speed_margin)
 
     @property
     def path_names(self) -> tuple[str, ...]:
@@ -214,7 +229,9 @@ class SlewTask(SparseTask):
     @property
     def watches(self) -> bool:
         """Whether flights are checked between the nodes."""
-        return bool(self.pointing) and self.judges_path
+        wheels = self.craft.wheels
+        limited = bool(self.pointing) or wheels.has_speed_limits or not wheels.motors.ideal
+        return limited and self.judges_path
 
     @property
     def has_path_limits(self) -> bool:
@@ -223,8 +240,8 @@ class SlewTask(SparseTask):
 
     @property
     def has_speed_limits(self) -> bool:
-        """Whether any wheel has a speed limit."""
-        return bool(np.isfinite(self.craft.wheels.speed_limit).any())
+        """Whether there are speeds that a wheel must never have, or must leave soon."""
+        return self.craft.wheels.has_speed_limits
 
     def _gyroscopic_turn(self, momentum: Array) -> float:
         """Angle |H| T / J that the momentum could turn the body, J the least inertia."""
@@ -299,7 +316,6 @@ class SlewTask(SparseTask):
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
         """Judge the errors of flights at the end of the horizon and at the waypoint."""
-        end = self.intervals
         found, tolerances = self.end_errors(flown.q_ob, flown.omega_ob), self.tolerances
         if self.waypoint is not None:
             q = flown.q_ob[:, self.waypoint.node]
@@ -307,7 +323,7 @@ class SlewTask(SparseTask):
             tolerances["waypoint"] = self.waypoint.tolerance
         wheels, thrusters = self.craft.wheels, self.craft.thrusters
         if self.judges_bias and self.target.wheel_bias is not None:
-            speeds = np.asarray(flown.omega_bw[:, end])
+            speeds = np.asarray(flown.omega_bw[:, self.intervals])
             missed = [bias_of(wheels, one) - self.target.wheel_bias for one in speeds]
             found["wheel bias"] = np.abs(missed).max(axis=1)
             tolerances["wheel bias"] = self.target.bias_tolerance
@@ -320,9 +336,12 @@ class SlewTask(SparseTask):
             axis=-1,
         )
         path = np.zeros(len(controls))
-        if self.watches:
+        if self.watches and self.pointing:
             path = self.watch(flown).violation
-        speed = speed_excess(wheels, flown.omega_bw[:, : end + 1]).max(axis=1, initial=0.0)
+        speeds, step = self.wheel_speeds(flown)
+        speed = speed_excess(wheels, speeds).max(axis=1, initial=0.0)
+        speed = np.maximum(speed, overstay(wheels, speeds, step))
+        speed = np.maximum(speed, motor_excess(wheels, wheel, speeds).max(axis=1, initial=0.0))
         return Verdict(
             found,
             tolerances,
@@ -345,6 +364,17 @@ class SlewTask(SparseTask):
     def watch(self, flown: Trajectory) -> ObservedPath:
         """Angles of cones and rates along flights (S, ...), between the nodes too."""
         return self.path_monitor.watch(flown, self.intervals)
+
+    def wheel_speeds(self, flown: Trajectory) -> tuple[Floats, float]:
+        """Wheel speeds (S, T, n) [rad/s] until the end, and the time [s] between two of them.
+
+        At every Runge-Kutta step where flights are watched.
+        """
+        if flown.fine is None:
+            return np.asarray(flown.omega_bw[:, : self.intervals + 1]), self.step
+        every = self.path_monitor.every
+        speeds = flown.fine.omega_bw[:, : self.intervals * every + 1]
+        return np.asarray(speeds), self.step / every
 
     def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
         """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""

@@ -109,7 +109,8 @@ def _turn(
         "solar": spent.solar.T,
         "wheels": spent.wheels.T,
         "magnetorquers": spent.magnetorquers.T,
-        "fastest": _lanes_first(spent.fastest),
+        "lowest": _lanes_first(spent.lowest),
+        "highest": _lanes_first(spent.highest),
         "strongest": _lanes_first(spent.strongest.parts),
     }
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from jaxatt.drawing.figure import colour, picture, tidy
-from jaxatt.drawing.panels import limits, lines, runs
+from jaxatt.drawing.panels import lines, runs, speed_limits
 from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.problems.net_power.plan.clock import clock_text
 from jaxatt.problems.net_power.plan.report.course import Course
@@ -37,7 +37,7 @@ Panel = Callable[["Axes", Course], None]
 def timeline_figure(course: Course, title: str, wheels: ReactionWheels | None = None) -> Picture:
     """Draw a plan over time.
 
-    title : one line or two.  wheels : their names and speed limits.
+    title : one line or two.  wheels : their names, speed limits and bands.
     """
     panels: list[tuple[Panel, float]] = [(_power, 1.3), (_energy, 1.3)]
     if np.isfinite(course.capacity):
@@ -162,6 +162,5 @@ def _speeds(axes: Axes, course: Course, wheels: ReactionWheels | None) -> None:
     names = no_wheels().names if wheels is None else wheels.names
     lines(axes, course.time, speeds, names)
     if wheels is not None:
-        most = np.asarray(wheels.speed_limit) * _RPM
-        limits(axes, np.unique(most[np.isfinite(most)]))
+        speed_limits(axes, wheels, _RPM)
     axes.set_ylabel("wheel speeds\n[rpm]")
