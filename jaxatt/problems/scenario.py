@@ -210,6 +210,11 @@ class Scenario:
     origin: str = field(default="scenario", repr=False)
     folder: Path | None = field(default=None, repr=False)
 
+    @property
+    def leaves_roll_free(self) -> bool:
+        """Whether a target asks for the direction of one body axis only."""
+        return any(target.boresight is not None for target in self.targets)
+
     def aiming_at(self, q_ob: Floats) -> Scenario:
         """The same manoeuvre to another target attitude (4,); what else it asks for stays."""
         return replace(self, targets=(replace(self.targets[0], q_ob=q_ob),))

@@ -33,7 +33,8 @@ DRAWS = 9
 class Ends:
     """Where paths begin and end, relative to the inertial frame.
 
-    q : (4,) and end : (4,), attitudes.  rate, end_rate : (3,) [rad/s], in body axes.
+    q : (4,) and end : (S, 1, 4), attitudes.  rate : (3,) and end_rate : (S, 1, 3) [rad/s], in body
+    axes.
     momentum : (3,) [N m s], total at the start in body axes; None where it is all the body's own
     and thrusters change it.
     inertia, without_spin : (3, 3) [kg m^2], of the vehicle with wheels, and without their spin.
@@ -49,9 +50,9 @@ class Ends:
 
     @property
     def relative(self) -> Floats:
-        """End relative to the start, the short way, (4,)."""
+        """End relative to the start, the short way, (S, 1, 4)."""
         q = product(conjugate(self.q), self.end)
-        return q if q[0] >= 0.0 else -q
+        return np.where(q[..., :1] >= 0.0, q, -q)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +132,7 @@ def follow(ends: Ends, shape: Shapes, duration: Floats, intervals: int) -> Follo
     behind, ahead = (attitudes(ends, shape, duration, x) for x in (before, after))
     apart = (after - before)[None, :, None] * duration[:, None, None]
     omega = turn_of(product(conjugate(behind), ahead)) / apart
-    omega[:, 0], omega[:, -1] = ends.rate, ends.end_rate
+    omega[:, 0], omega[:, -1] = ends.rate, ends.end_rate[:, 0]
     momentum = omega @ ends.inertia if ends.momentum is None else to_body(q, ends.momentum)
     change = np.diff(omega, axis=1) * (intervals / duration)[:, None, None]
     turning = np.cross(omega, momentum)

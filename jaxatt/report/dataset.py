@@ -35,6 +35,7 @@ _REFERENCES: Mapping[str, Label] = {
     "q_ob_reference": (("quaternion",), "1", "target attitude"),
     "waypoint": (("quaternion",), "1", "attitude to pass"),
     "wheel_bias": (("wheel",), "rad/s", "wheel speeds at the end beside those of the momentum"),
+    "boresight_reference": (("axis",), "1", "body axis about which the roll is free"),
     "omega_ob_reference": (("axis",), "rad/s", "target rate relative to the orbit frame"),
 }
 _ERROR_UNITS = {

@@ -22,6 +22,7 @@ from jaxatt.records.starts import StartsRecord
 from jaxatt.records.wording import LIMITS
 from jaxatt.report.do_nothing import do_nothing_cost
 from jaxatt.report.family import sections_of, sections_of_phase
+from jaxatt.report.free_roll import free_roll
 from jaxatt.runtime.json_files import plain, write_json
 
 _ERRORS = {
@@ -58,6 +59,7 @@ NAMES = (
     "quantised",
     "pointing",
     "wheel_bands",
+    "free_roll",
     "obstacle",
     "starts",
 )
@@ -132,6 +134,7 @@ def _phase(phase: Phase) -> dict[str, Any]:
         "control_effort": phase.quadratic_effort,
         "pointing": _pointing(phase),
         "wheel_bands": _wheel_bands(phase),
+        "free_roll": free_roll(phase),
         "obstacle": phase.failure_reason,
         "starts": starts_summary(phase.starts),
         **named_errors(phase),

@@ -16,6 +16,7 @@ from jaxatt.records.phase import Phase
 from jaxatt.records.wording import LIMITS, limit_label, limit_text, plural, short
 from jaxatt.report.do_nothing import do_nothing_sentence
 from jaxatt.report.family import sections_of
+from jaxatt.report.free_roll import roll_words
 from jaxatt.report.summary import summary
 
 _ERRORS = (
@@ -83,6 +84,7 @@ def _rows(result: Answer) -> list[Row]:
             for key in first.errors
             if key not in known
         ),
+        ("roll left free", lambda b: roll_words(b["free_roll"])),
         ("flight uncertain by", _uncertain),
         *own.flown,
         *(

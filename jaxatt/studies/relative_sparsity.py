@@ -203,6 +203,11 @@ def _with_thrusters(scenario: scenarios.Scenario | str | Path) -> scenarios.Scen
         raise scenarios.ScenarioError(
             f"{base.name}: kind = {base.objective.kind} is not sparse; choose a scenario with l0"
         )
+    if base.leaves_roll_free:
+        raise scenarios.ScenarioError(
+            f"{base.name}: [target] leaves the roll free, and the study compares with a turn to "
+            "one attitude; add constrain beside align"
+        )
     return base
 
 

@@ -126,7 +126,11 @@ def test_another_form_takes_the_place_of_the_aims(case):
 @pytest.mark.parametrize(
     ("tables", "words"),
     [
-        ({"target": {"constrain": GONE}}, ["constrain: missing beside align", "toward"]),
+        ({"initial": {"constrain": GONE}},
+         ["constrain: missing beside align", "only a target may", "toward"]),
+        ({"target": {"constrain": GONE, "rate": GONE, "rate_rad_s": [0.0, 0.01, 0.0]}},
+         ["rate_rad_s", "depends on the roll that is free", "add constrain"]),
+        ({"waypoint": {"align": NADIR, "time_s": 35.0}}, ["[waypoint] constrain: missing"]),
         ({"target": {"align": GONE}}, ["align: missing beside constrain"]),
         ({"target": {"attitude_deg": [0, 0, 0]}}, ["align: given beside attitude_deg"]),
         ({"target": {"align": {**NADIR, "toward": "nadr"}}}, ["did you mean 'nadir'"]),

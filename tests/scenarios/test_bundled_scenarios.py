@@ -24,6 +24,7 @@ NAMES = (
     "hypso1-netpower",
     "hypso1-path",
     "hypso1-path-two",
+    "hypso1-sun-free-roll",
     "hypso1-tle-90-45-15",
     "hypso2-orbit",
     "minimum-time-180",

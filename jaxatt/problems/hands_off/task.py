@@ -109,6 +109,11 @@ class SparseTask(ABC):
     """Ways round to the target: 1 for the short one, -1 for the long one."""
 
     @property
+    def leaves_roll_free(self) -> bool:
+        """Whether any roll about a direction will do at the end."""
+        return False
+
+    @property
     def limits_speeds(self) -> bool:
         """Whether the programme keeps limits of wheel speeds."""
         return False

@@ -40,10 +40,12 @@ def manoeuvre_of(scenario: Scenario, start: PhaseStart) -> Manoeuvre:
     """The single manoeuvre of a scenario without tasks."""
     options, horizon = options_of(scenario), scenario.horizon
     motion, charge = beginning(scenario, start)
+    end = _end(scenario, start.time + horizon.duration)
     return Manoeuvre(
         satellite=options.satellite,
         start=motion,
-        end=_end(scenario, start.time + horizon.duration),
+        # Where the roll is free, the one that is nearest is what rolls are told from.
+        end=None if end is None else end.facing(motion.q_ib),
         start_time=start.time,
         duration=horizon.duration,
         intervals=horizon.intervals,
@@ -94,4 +96,5 @@ def _end(scenario: Scenario, time: float) -> End | None:
         target.attitude_tolerance,
         target.rate_tolerance,
         options.wheel_speed_at_end,
+        target.boresight,
     )

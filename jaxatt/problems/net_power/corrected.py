@@ -62,6 +62,7 @@ def _ways(intervals: int, spread: Floats) -> Floats:
 
 def _missed(end: End, flight: PoweredFlight) -> Floats:
     """Errors (S, 6) of attitude and rate at the end over their tolerances."""
+    end = end.facing(flight.q_ib[:, -1])
     turn = logarithm(product(conjugate(end.q_ib), flight.q_ib[:, -1]))
     rate = flight.omega_ib[:, -1] - end.omega_ib
     return np.concatenate([turn / end.attitude_tolerance, rate / end.rate_tolerance], axis=1)

@@ -39,6 +39,7 @@ def judge_flight(
     tolerances: dict[str, float] = {}
     end = manoeuvre.end
     if end is not None:
+        end = end.facing(flown.q_ib[:, -1])
         found["attitude"] = np.asarray(errors.angle(end.q_ib, flown.q_ib[:, -1]))
         found["rate"] = np.linalg.norm(flown.omega_ib[:, -1] - end.omega_ib, axis=-1)
         tolerances = {"attitude": end.attitude_tolerance, "rate": end.rate_tolerance}

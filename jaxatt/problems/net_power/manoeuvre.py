@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+import numpy as np
+
+from jaxatt.attitude.free_roll import across, facing, spread_rolls
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.light import Light
@@ -27,6 +30,7 @@ class End:
     """State to end in, with tolerances [rad, rad/s].
 
     omega_bw : (n,) [rad/s], wheel speeds to end with; None leaves them free.
+    boresight : (3,), unit body axis about which the roll is free; None where it is not.
     """
 
     q_ib: Floats
@@ -34,6 +38,26 @@ class End:
     attitude_tolerance: float
     rate_tolerance: float
     omega_bw: Floats | None = None
+    boresight: Floats | None = None
+
+    @property
+    def held(self) -> Floats:
+        """Body axes about which the attitude is held, (3, 3), or (2, 3) across the boresight."""
+        return np.eye(3) if self.boresight is None else across(self.boresight)
+
+    def facing(self, q: Floats) -> End:
+        """The same end, where its roll is free with the one nearest to attitudes q (..., 4)."""
+        if self.boresight is None:
+            return self
+        rolled, rate = facing(self.q_ib, self.omega_ib, self.boresight, np.asarray(q))
+        return replace(self, q_ib=rolled, omega_ib=rate)
+
+    def of_starts(self, count: int) -> End:
+        """The end that each of S starts heads for, as `Target.of_starts`."""
+        if self.boresight is None:
+            q, rate = np.asarray(self.q_ib), np.asarray(self.omega_ib)
+            return replace(self, q_ib=np.tile(q, (count, 1)), omega_ib=np.tile(rate, (count, 1)))
+        return self.facing(spread_rolls(np.asarray(self.q_ib), self.boresight, count))
 
 
 @dataclass(frozen=True, eq=False)

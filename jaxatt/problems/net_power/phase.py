@@ -138,7 +138,9 @@ def phase_of(
     penalised = manoeuvre.terminal != "reach"
     end, reference = manoeuvre.end, {}
     if end is not None:
-        reference = {"q_ib": end.q_ib, "omega_ib": end.omega_ib}
+        end = end.facing(np.asarray(series["q_ib"])[-1])
+        axis = {} if end.boresight is None else {"boresight": end.boresight}
+        reference = {"q_ib": end.q_ib, "omega_ib": end.omega_ib, **axis}
     duration = step * manoeuvre.intervals
     record = Phase(
         family=family,

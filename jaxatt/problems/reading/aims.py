@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from jaxatt.attitude.attitude_path import AttitudePath
+from jaxatt.attitude.free_roll import across, nearest_roll
 from jaxatt.attitude.host_turns import conjugate, product, to_body
 from jaxatt.environment import toward
 from jaxatt.problems.along_orbit import along_orbit, from_inertial, to_inertial
@@ -15,7 +17,7 @@ from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import check_one_form, read_attitude
 from jaxatt.problems.reading.directions import Aim, Sky, check_sight, read_aim
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
+from jaxatt.problems.reading.schema import AIM_KEYS, DIRECTION_KEYS, POSE_KEYS
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.spacecraft.checks import Float64
@@ -28,6 +30,8 @@ _LONG = 600.0
 """[s] After which a direction that moves has moved, where there is no longest final time."""
 _CHECKED = 65
 """Instants at which directions that are followed are checked."""
+_ALONG = 1e-12
+"""[rad/s] Rates across a body axis that count as none."""
 _RATES = ("orbit", "inertial", "track")
 
 _pose = jax.jit(toward.pose, compiler_options=RUNS_ONCE)
@@ -44,6 +48,49 @@ def read_state(
     first, last : [s] between which the attitude is to be had; what moves in between is refused.
     Raises `ScenarioError`.
     """
+    _refuse_free_roll(table)
+    return _read_state(table, notes, sky, first, last)
+
+
+def _refuse_free_roll(table: Table) -> None:
+    if "align" in table and "constrain" not in table:
+        table.fail(
+            "constrain",
+            "missing beside align; only a target may leave the roll about one axis free",
+            'add constrain = { body = [1.0, 0.0, 0.0], toward = "velocity" }',
+        )
+
+
+def read_goal(
+    table: Table, notes: list[str], sky: Sky, first: float, last: float | None = None
+) -> tuple[Float64, Float64, Float64 | None]:
+    """Read what a manoeuvre ends with: as `read_state`, and the body axis (3,) whose roll is free.
+
+    That is the one of `align` where no other is constrained; None elsewhere.
+    """
+    q, rate = _read_state(table, notes, sky, first, last)
+    if "align" not in table or "constrain" in table:
+        return q, rate, None
+    boresight = _boresight(table)
+    if "rate_rad_s" in table and np.linalg.norm(np.cross(rate, boresight)) > _ALONG:
+        table.fail(
+            "rate_rad_s",
+            "has parts across the body axis, whose direction depends on the roll that is free",
+            'give a rate about that axis, use rate = "orbit", "inertial" or "track", or add '
+            "constrain",
+        )
+    return q, rate, boresight
+
+
+def _boresight(table: Table) -> Float64:
+    return Table(
+        table.data["align"], table.origin, f"{table.label} align", DIRECTION_KEYS
+    ).direction("body")
+
+
+def _read_state(
+    table: Table, notes: list[str], sky: Sky, first: float, last: float | None
+) -> tuple[Float64, Float64]:
     if "aem_file" in table:
         return _in_file(table, sky, first)
     if "at" in table:
@@ -56,6 +103,8 @@ def read_state(
     q, rate = _aimed(table, aims, sky, first)
     if last is not None and last > first:
         later, _ = _aimed(table, aims, sky, min(last, first + _LONG))
+        if aims[1] is None:
+            later = nearest_roll(later, aims[0].body, q)
         moved = math.degrees(2.0 * math.acos(min(1.0, abs(float(q @ later)))))
         if moved > _MOVED:
             table.fail(
@@ -75,10 +124,11 @@ def read_followed(table: Table, notes: list[str], sky: Sky, times: Floats) -> At
     """
     _, told = _aimed_and_told(table, sky)
     if told == "track":
-        aims = _read_aims(table, notes, sky, float(times[0]), float(times[-1]))
+        _refuse_free_roll(table)
+        first, second = _read_aims(table, notes, sky, float(times[0]), float(times[-1]))
+        assert second is not None
         for time in times[np.linspace(0, len(times) - 1, _CHECKED).astype(int)]:
-            _check(table, aims, sky, float(time))
-        first, second = aims
+            _check(table, (first, second), sky, float(time))
         with jax.enable_x64(True):
             found = _poses(first.body, first.direction, second.body, second.direction, times)
             return AttitudePath(times, *map(np.asarray, found))
@@ -126,10 +176,12 @@ def _rate(table: Table, told: str, q: Float64, sky: Sky, time: float, tracking: 
     return carried if told == "orbit" else -carried
 
 
-def _aimed(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> tuple[Float64, Float64]:
-    """Attitude and tracking rate at a time, relative to the sky's frame."""
-    _check(table, aims, sky, time)
-    first, second = aims
+def _aimed(
+    table: Table, aims: tuple[Aim, Aim | None], sky: Sky, time: float
+) -> tuple[Float64, Float64]:
+    """Attitude and tracking rate at a time, relative to the sky's frame; with some roll if free."""
+    first, second = aims[0], aims[1] or _any_roll(aims[0], time)
+    _check(table, (first, second), sky, time)
     motion = sky.motion if sky.frame == "orbit" else None
     with jax.enable_x64(True):
         found = _pose(first.body, first.direction, second.body, second.direction, float(time))
@@ -154,20 +206,32 @@ def _check(table: Table, aims: tuple[Aim, Aim], sky: Sky, time: float) -> None:
         check_sight(table, aim.key, (aim.direction, aim.words), sky, time)
 
 
+def _any_roll(aligned: Aim, time: float) -> Aim:
+    """A second axis whose direction rests among the stars, across the first one's at a time.
+
+    So the attitude has some roll, and to follow the first direction it does not turn about it.
+    """
+    with jax.enable_x64(True):
+        direction = np.asarray(aligned.direction.at(jnp.asarray(float(time))))
+    stars = toward.AmongStars(across(direction / np.linalg.norm(direction))[0])
+    return Aim("align", across(aligned.body)[0], stars, "any direction across it")
+
+
 def _read_aims(
     table: Table, notes: list[str], sky: Sky, first: float, last: float | None
-) -> tuple[Aim, Aim]:
-    for key, other in (AIM_KEYS, AIM_KEYS[::-1]):
-        if key not in table:
-            table.fail(
-                key,
-                f"missing beside {other}; one axis leaves the roll about it open",
-                f'add {key} = {{ body = [1.0, 0.0, 0.0], toward = "velocity" }}',
-            )
+) -> tuple[Aim, Aim | None]:
+    if "align" not in table:
+        table.fail(
+            "align",
+            "missing beside constrain",
+            'add align = { body = [0.0, 0.0, 1.0], toward = "nadir" }',
+        )
     check_one_form(table)
-    aligned, constrained = (
-        read_aim(table, key, notes, sky, first if last is None else last) for key in AIM_KEYS
-    )
+    longest = first if last is None else last
+    aligned = read_aim(table, "align", notes, sky, longest)
+    if "constrain" not in table:
+        return aligned, None
+    constrained = read_aim(table, "constrain", notes, sky, longest)
     between = math.degrees(float(np.arccos(np.clip(aligned.body @ constrained.body, -1.0, 1.0))))
     if not _LEAST_APART < between < 180.0 - _LEAST_APART:
         table.fail(

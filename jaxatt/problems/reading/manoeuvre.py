@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
-from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.aims import read_goal, read_state
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import refuse_seconds
@@ -83,10 +83,11 @@ def read_target(
         )
     table = Table(data, origin, label, SPACECRAFT_TABLES["target"])
     tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
-    attitude, rate = read_state(table, notes, sky, first, last)
+    attitude, rate, boresight = read_goal(table, notes, sky, first, last)
     return Target(
         q_ob=attitude,
         omega_ob=rate,
+        boresight=boresight,
         attitude_tolerance=math.radians(tolerance),
         rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
         wheel_bias=read_bias(table, wheels),

@@ -12,12 +12,14 @@ from jaxatt.problems.surroundings import surroundings_of
 
 
 def moments_of(scenario: Scenario) -> list[Moment]:
-    """Initial state, waypoint and targets of a spacecraft's scenario, with the orbit frame then."""
+    """Attitudes that a spacecraft's scenario prescribes in full, with the orbit frame then."""
     horizon, initial, passing = scenario.horizon, scenario.initial, scenario.waypoint
     asked = [("start", 0.0, initial.q_ob, initial.omega_ob)]
     if passing is not None:
         asked.append(("waypoint", passing.time, passing.q_ob, np.zeros(3)))
     for index, target in enumerate(scenario.targets):
+        if target.boresight is not None:
+            continue  # its roll is yet to be found
         label = "target" if len(scenario.targets) == 1 else f"target of leg {index + 1}"
         asked.append((label, (index + 1) * horizon.duration, target.q_ob, target.omega_ob))
     times = jnp.asarray([time for _, time, _, _ in asked])

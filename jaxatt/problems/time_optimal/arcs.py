@@ -94,7 +94,7 @@ def _total(lengths: Array, parameters: ReorientationParameters, levels: Array) -
 
 @functools.cache
 def _missed_by(form: ReorientationForm, size: int) -> Callable[..., Array]:
-    """Function (lengths, parameters, levels) -> terminal errors (6,) after the arcs."""
+    """Function (lengths, parameters, levels) -> terminal errors (m,) after the arcs."""
     program, body = reorientation(form, size), replace(form.body, substeps=_SUBSTEPS)
 
     def missed(lengths: Array, p: ReorientationParameters, levels: Array) -> Array:
@@ -158,5 +158,6 @@ def flown_arcs_error(task: ReorientationTask, arcs: Arcs, between: int = 64) -> 
     state = task.start
     for length, torque in zip(arcs.lengths, arcs.torques, strict=True):
         state = task.fly_on(state, torque, float(length), between)
-    rate = np.linalg.norm(np.asarray(state.omega_ib) - task.target.omega_ob)
-    return task.angle_to_target(np.asarray(state.q_ob)), float(rate)
+    q = np.asarray(state.q_ob)
+    rate = np.linalg.norm(np.asarray(state.omega_ib) - task.target.facing(q).omega_ob)
+    return task.angle_to_target(q), float(rate)

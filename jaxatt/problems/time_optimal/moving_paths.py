@@ -27,7 +27,7 @@ _TIMES = np.geomspace(0.05, 2.0, 40)
 
 def moving_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     """Draw starts of a task; start i depends on the seed and on i only."""
-    n, goal, ends = task.intervals, task.goal, _ends(task)
+    n, goal, ends = task.intervals, task.goal, _ends(task, count)
     size = DRAWS + n * task.actuation.size
     drawn = np.stack([np.random.default_rng((seed, i)).random(size) for i in range(count)])
     shape = shapes(drawn[:, :DRAWS], _LEAST_PART, _LEAST_PART)
@@ -37,20 +37,21 @@ def moving_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     if goal.effort_weight == 0.0:
         u = u + _SPREAD * (2.0 * drawn[:, DRAWS:] - 1.0).reshape(u.shape)
     u = np.clip(u, task.actuation.lower, task.actuation.upper)
-    short = np.sum(path.q[:, -1] * ends.relative, axis=1, keepdims=True) >= 0.0
+    short = np.sum(path.q[:, -1] * ends.relative[:, 0], axis=1, keepdims=True) >= 0.0
+    short |= task.target.boresight is not None  # a free roll makes the ways one
     reference = np.where(short, task.reference(1.0), task.reference(-1.0))
     step = duration / n
     states = states_along(task, product(ends.q, path.q), path.omega, path.momentum, u, step)
     return Paths(u, states, step, reference, np.full(count, goal.effort_weight))
 
 
-def _ends(task: ReorientationTask) -> Ends:
-    craft, begin, target = task.craft, task.initial_state, task.target
+def _ends(task: ReorientationTask, count: int) -> Ends:
+    craft, begin, target = task.craft, task.initial_state, task.target.of_starts(count)
     return Ends(
         np.asarray(begin.q_ob),
         np.asarray(begin.omega_ob),
-        np.asarray(target.q_ob),
-        np.asarray(target.omega_ob),
+        target.q_ob[:, None],
+        target.omega_ob[:, None],
         None if task.form.body.momentum == "own" else task.momentum,
         np.asarray(craft.inertia),
         np.asarray(craft.inertia_without_spin),
@@ -72,7 +73,7 @@ def _long_enough(task: ReorientationTask, ends: Ends, shape: Shapes) -> Floats:
     most = np.maximum(np.abs(a.lower), a.upper)
     weakest = 1.0 / np.abs(allocation / most[:, None]).max()
     inertia = float(np.linalg.eigvalsh(ends.inertia).max())
-    spun = inertia * np.abs([ends.rate, ends.end_rate]).max()
+    spun = inertia * max(np.abs(ends.rate).max(), np.abs(ends.end_rate).max())
     carried = float(np.linalg.norm(task.momentum))
     crude = 2.0 * np.sqrt(np.pi * inertia / weakest) + (spun + np.pi * carried) / weakest
     count = len(shape.brake)

@@ -26,6 +26,7 @@ class ReorientationParameters:
     share : (N,), lengths of the intervals in units of the mean one.
     reference : (4,) or (3,), target attitude; its sign or set selects the way round.
     reference_rate : (3,) [rad/s].
+    held : (3, 3) or (2, 3), body axes about which the target's attitude is held.
     to_body, to_external : (3, b) [1/s^2], torque on the wheels and of the thrusters in body axes,
         of a unit of each scaled control.
     lower, upper : (b,), limits of the scaled controls.  scale : (b,) [N m].
@@ -46,6 +47,7 @@ class ReorientationParameters:
     share: Array
     reference: Array
     reference_rate: Array
+    held: Array
     to_body: Array
     to_external: Array
     lower: Array

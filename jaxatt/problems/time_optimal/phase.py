@@ -91,7 +91,7 @@ def time_record(
         series["torque_body"] = torque[:, :n] @ np.asarray(task.craft.wheels.axes).T
     if task.craft.thrusters.count:
         series["torque_thrusters"] = torque[:, n:]
-    reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
+    reference = task.target.facing(np.asarray(flown.q_ob)[0, task.intervals]).reference()
     if task.target.wheel_bias is not None:
         reference["wheel_bias"] = task.target.wheel_bias
     names = task.craft.wheels.names + tuple(

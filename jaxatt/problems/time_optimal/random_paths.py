@@ -31,12 +31,12 @@ def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     drawn = np.stack([np.random.default_rng((seed, i)).random(draws(task)) for i in range(count)])
     share = 1.0 - drawn[:, : n + 2]
     share[:, :2], share[:, n:] = 0.0, 1.0
-    turn = task.turn(1.0)
-    vector = 4.0 * np.arctan(np.linalg.norm(turn)) * turn / max(1e-300, np.linalg.norm(turn))
-    rate = np.asarray(task.initial_state.omega_ob)
-    away = drawn[:, n + 2] < long_way_probability(vector, rate, _FIRST_DURATION)
-    sigma = np.where(away[:, None], task.turn(-1.0), turn)
-    reference = np.where(away[:, None], task.reference(-1.0), task.reference(1.0))
+    ways = _headings(task, count)
+    away = drawn[:, n + 2] < np.array([_goes_the_long_way(way) for way in ways])
+    sign = np.where(away, -1.0, 1.0)
+    sigma = np.stack([way.turn(s) for way, s in zip(ways, sign, strict=True)])
+    either = away[:, None] & (task.target.boresight is None)  # a free roll makes the ways one
+    reference = np.where(either, task.reference(-1.0), task.reference(1.0))
     nodes = share[:, :, None] * sigma[:, None]
     step = np.full(count, _FIRST_DURATION / n)
     for _ in range(_MOST_STRETCHES):
@@ -58,6 +58,20 @@ def random_paths(task: ReorientationTask, count: int, seed: int) -> Paths:
     return Paths(u, states, step, reference, np.full(count, goal.effort_weight))
 
 
+def _headings(task: ReorientationTask, count: int) -> list[ReorientationTask]:
+    """The turn that each start makes: where the roll at the end is free, with its own."""
+    if task.target.boresight is None:
+        return [task] * count
+    return [task.aiming_at(q) for q in task.target.of_starts(count).q_ob]
+
+
+def _goes_the_long_way(task: ReorientationTask) -> float:
+    """Probability with which a start of a turn goes the long way round."""
+    turn = task.turn(1.0)
+    vector = 4.0 * np.arctan(np.linalg.norm(turn)) * turn / max(1e-300, np.linalg.norm(turn))
+    return long_way_probability(vector, np.asarray(task.initial_state.omega_ob), _FIRST_DURATION)
+
+
 def draws(task: ReorientationTask) -> int:
     """Number of random values that a start needs."""
     return task.intervals + 3 + task.intervals * task.actuation.size
@@ -68,7 +82,8 @@ def _followed(task: ReorientationTask, nodes: Floats, step: Floats) -> tuple[Flo
     count = task.intervals
     slope = np.diff(nodes, axis=1) / step[:, None, None]
     omega = _rates(nodes[:, : count + 1], slope)
-    omega[:, 0], omega[:, count] = task.initial_state.omega_ob, task.target.omega_ob
+    omega[:, 0] = task.initial_state.omega_ob
+    omega[:, count] = task.target.of_starts(len(nodes)).omega_ob
     change = np.diff(omega, axis=1) / step[:, None, None]
     craft = task.craft
     inertia = np.asarray(craft.inertia)

@@ -178,7 +178,8 @@ def _check_storable(
     target's attitude and rate what the wheels must hold then is known.  Raises `ScenarioError`.
     """
     wheels = vehicle.wheels
-    if vehicle.thrusters.count or not np.isfinite(wheels.speed_limit).any():
+    known = target.boresight is None  # otherwise what is left depends on the roll that is found
+    if vehicle.thrusters.count or not known or not np.isfinite(wheels.speed_limit).any():
         return
     inertia = np.asarray(vehicle.inertia)
     begin = inertia @ initial.omega_ob + wheels.axes @ (wheels.inertia * initial.omega_bw)

@@ -25,7 +25,7 @@ from jaxatt.attitude import mrp
 from jaxatt.attitude.state_manifold import difference, retract
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.pointing.cones import pointing_margins
-from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_rows, rolled_rate
 from jaxatt.problems.time_optimal.derivatives import IntervalDerivatives, torques
 from jaxatt.problems.time_optimal.parameters import ReorientationParameters
 from jaxatt.simulation.free_body import BodyForm, derivative, step
@@ -88,8 +88,15 @@ def reorientation(form: ReorientationForm, size: int) -> OptimalControlProgram:
         return p.wheel_speed + spun - turned
 
     def final_rows(x: Array, p: ReorientationParameters) -> Array:
-        missing = attitude_row(p.reference, x[:4]) if quaternion else 4.0 * (x[:3] - p.reference)
-        rows = [missing, RATE_SCALE * (x[turn : turn + 3] - p.reference_rate)]
+        q, reference = x[:turn], p.reference
+        if not quaternion:
+            q, reference = mrp.to_quaternion(q), mrp.to_quaternion(reference)
+        if quaternion or p.held.shape[0] == 2:
+            missing = attitude_rows(reference, q, p.held)
+        else:
+            missing = 4.0 * (x[:3] - p.reference)
+        wanted = rolled_rate(reference, p.reference_rate, q, p.held)
+        rows = [missing, RATE_SCALE * (x[turn : turn + 3] - wanted)]
         if form.biased:
             off = p.wheel_inertia * (wheel_speeds(x, p) - p.wheel_bias)
             rows.append(RATE_SCALE * jnp.sum(p.null_momenta * off[None], axis=1))

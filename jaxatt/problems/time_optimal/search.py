@@ -142,7 +142,8 @@ def evaluate(task: ReorientationTask, paths: Paths, solution: InteriorSolution) 
     cost = task.cost(torque, step)
     best, minima, share = _ranked(cost, status, verdict)
     ends = jnp.asarray(np.nan_to_num(solution.x[:, -1]))
-    turned = np.asarray(_final_rows(task.program, ends, task.parameters))[:, :3]
+    held = len(task.target.held)
+    turned = np.asarray(_final_rows(task.program, ends, task.parameters))[:, :held]
     other = np.linalg.norm(paths.reference - task.reference(1.0), axis=1) > _SAME
     return FreeTimeFound(
         np.nan_to_num(solution.u),

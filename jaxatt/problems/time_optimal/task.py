@@ -104,6 +104,8 @@ class ReorientationTask:
         # Of q and -q the one whose MRP are the shorter turn; ways round are told apart from there.
         q = np.asarray(initial_state.q_ob)
         initial_state = replace(initial_state, q_ob=-q if q[0] < 0.0 else q)
+        # Where the roll is free, the one that is nearest is what rolls are told from.
+        target = target.facing(initial_state.q_ob)
         self.craft, self.initial_state, self.target = craft, initial_state, target
         self.intervals, self.goal = intervals, goal
         self.pointing = pointing
@@ -163,6 +165,7 @@ class ReorientationTask:
             share=jnp.ones(self.intervals),
             reference=jnp.asarray(self.reference(1.0)),
             reference_rate=jnp.asarray(self.target.omega_ob),
+            held=jnp.asarray(self.target.held),
             to_body=jnp.asarray(a.to_body / unit),
             to_external=jnp.asarray(a.to_external / unit),
             lower=jnp.asarray(a.lower),
@@ -316,7 +319,7 @@ class ReorientationTask:
 
     def angle_to_target(self, q: Floats) -> float:
         """Angle [rad] between an attitude (4,) and the target."""
-        return float(_angle(self.target.q_ob, q))
+        return float(_angle(self.target.facing(q).q_ob, q))
 
     @property
     def tolerances(self) -> dict[str, float]:
@@ -337,11 +340,10 @@ class ReorientationTask:
         """
         wheels, thrusters, n = self.craft.wheels, self.craft.thrusters, self.craft.wheels.count
         q = np.asarray(flown.q_ob)
+        target = self.target.facing(q[:, -1])
         found = {
-            "attitude": np.asarray(_angle(self.target.q_ob, q[:, -1])),
-            "rate": np.linalg.norm(
-                np.asarray(flown.omega_ob)[:, -1] - self.target.omega_ob, axis=-1
-            ),
+            "attitude": np.asarray(_angle(target.q_ob, q[:, -1])),
+            "rate": np.linalg.norm(np.asarray(flown.omega_ob)[:, -1] - target.omega_ob, axis=-1),
         }
         if self.target.wheel_bias is not None:
             ended = np.asarray(flown.omega_bw)[:, -1]

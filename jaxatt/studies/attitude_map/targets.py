@@ -43,6 +43,11 @@ def map_targets(scenario: Scenario, count: int) -> MapTargets:
             f"{scenario.name}: {has}, and a map turns the one attitude that is aimed at; choose a "
             "scenario with one [target]"
         )
+    if scenario.leaves_roll_free:
+        raise ScenarioError(
+            f"{scenario.name}: [target] leaves the roll free, and a map turns whole attitudes; add "
+            "constrain beside align"
+        )
     turn = uniform_rotations(count)
     size = np.linalg.norm(turn[:, 1:], axis=1)
     q = np.asarray(quaternion.multiply(np.asarray(scenario.initial.q_ob), turn))

@@ -99,6 +99,11 @@ def _measure(scenario: Scenario, origin: str) -> str:
             "answers a design can follow; choose such a scenario, or set objective.kind = "
             '"minimum-time" under [fixed]'
         )
+    if scenario.leaves_roll_free:
+        raise ScenarioError(
+            f"{origin}: scenario: [target] of {scenario.name} leaves the roll free, and a design "
+            "is judged by whole attitudes; add constrain beside align"
+        )
     return measure
 
 

@@ -63,6 +63,9 @@ SLACK = Schedule(
 SETTLE = Reweighting(deciding=0, settling=8)
 """Least effort on a given support to the accuracy of the Newton steps, to see if it leads there."""
 
+SETTLE_ROLL = 24
+"""Steps of the same where the effort has a roll to settle, too."""
+
 FOLLOW = Reweighting(deciding=200, smoothing=0.1, factor=0.965, settling=20, gradual=Gradual())
 """Deciding from starts in motion, which nearly lead to the target."""
 
@@ -124,7 +127,8 @@ class Method:
 
     def settling(self, task: SparseTask) -> Reweighting:
         """Settings with which a given support is tried, of the same program as `deciding`."""
-        return replace(SETTLE, gradual=self.deciding(task).gradual)
+        steps = SETTLE_ROLL if task.leaves_roll_free else SETTLE.settling
+        return replace(SETTLE, settling=steps, gradual=self.deciding(task).gradual)
 
     def spends_least_for(self, task: SparseTask) -> bool:
         """Whether supports are polished by the primal-dual method.
@@ -212,7 +216,8 @@ def screen(task: SparseTask, u: Floats, supports: Mask, sign: Floats, method: Me
     found = reweight(task, lanes, method, method.settling(task))
     arrived = np.asarray(found.residual) <= SETTLED
     status = np.where(arrived, int(Status.FEASIBLE), int(Status.ITERATION_LIMIT))
-    settled = evaluate(task, np.asarray(found.u), status, np.full(len(u), SETTLE.settling), sign)
+    steps = np.full(len(u), method.settling(task).settling)
+    settled = evaluate(task, np.asarray(found.u), status, steps, sign)
     stuck = np.flatnonzero(~arrived & np.asarray(found.saturated))
     if not len(stuck):
         return settled

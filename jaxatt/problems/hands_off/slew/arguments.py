@@ -86,6 +86,7 @@ def slew_parameters(
         momentum=beginning.momentum if form.has_thrusters else beginning.momentum_i,
         reference=jax.device_put(reference),
         reference_rate=jax.device_put(target.omega_ob),
+        held=jax.device_put(target.held),
         waypoint=jax.device_put(passed),
         waypoint_node=jax.device_put(1 if waypoint is None else waypoint.node),
         to_body=jax.device_put(m.to_body * m.scale),
@@ -128,7 +129,7 @@ def slew_arguments(
         # The null space of the mounting turns nothing; a little cost keeps it still.
         effort_map = np.concatenate([effort_map, 1e-3 * np.eye(len(scale))])
     w = goal.weights
-    rows = [w.attitude / 4.0] * 3 + [2.0 * w.rate / RATE_SCALE**2] * 3
+    rows = [w.attitude / 4.0] * plant.held.shape[0] + [2.0 * w.rate / RATE_SCALE**2] * 3
     rows += [w.waypoint / 4.0] * (3 if form.has_waypoint else 0)
     soft = goal.terminal == "penalty"
     free = np.where(np.asarray(forbidden, bool)[:, None], 0.0, np.ones((1, len(scale))))

@@ -41,7 +41,7 @@ def fly_slew(task: SlewTask, controls: Floats) -> Flown:
             )
     if task.craft.thrusters.count:
         series["torque_thrusters"] = task.thrust(controls[0])
-    reference = {"q_ob": task.target.q_ob, "omega_ob": task.target.omega_ob}
+    reference = task.target.facing(np.asarray(flown.q_ob)[0, task.intervals]).reference()
     if task.waypoint is not None:
         reference["waypoint"] = task.waypoint.q_ob
     if task.target.wheel_bias is not None:

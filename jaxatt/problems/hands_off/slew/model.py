@@ -15,7 +15,7 @@ from jax import Array
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable
 from jaxatt.problems.pointing.cones import PointingPath
-from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row, attitude_rows, rolled_rate
 from jaxatt.simulation import momentum_model
 from jaxatt.simulation.momentum_model import BodyParameters
 
@@ -31,6 +31,7 @@ class SlewParameters:
         act, in body axes.
     reference : (4,), target q_ob; its sign selects the way round.
     reference_rate : (3,) [rad/s], target omega_ob.
+    held : (3, 3) or (2, 3), body axes about which the target's attitude is held.
     waypoint : (4,), attitude at `waypoint_node`; waypoint_node : () int, in 1 .. N.
     to_body : (3, b) [N m], body torque of a unit of the scaled controls.
     to_external : (3, b) [N m], body torque of thrusters of a unit of the scaled controls.
@@ -49,6 +50,7 @@ class SlewParameters:
     momentum: Array
     reference: Array
     reference_rate: Array
+    held: Array
     waypoint: Array
     waypoint_node: Array
     to_body: Array
@@ -122,17 +124,19 @@ def rate_row(q_ib: Array, omega_ib: Array, p: SlewParameters) -> Array:
     nodes = p.table.nodes
     orbit_rate_i = quaternion.rotate(nodes.orbit_attitude[-1], nodes.orbit_rate[-1])
     relative = omega_ib - quaternion.rotate_inverse(q_ib, orbit_rate_i)
-    return RATE_SCALE * (relative - p.reference_rate)
+    wanted = rolled_rate(inertial_reference(p), p.reference_rate, q_ib, p.held)
+    return RATE_SCALE * (relative - wanted)
 
 
 def terminal_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
     """Errors of attitude and rate at the last node, then of attitude at the waypoint.
 
-    Returns (6,) or (9,): [rad], `RATE_SCALE` x [rad/s], [rad].
+    Returns (6,) or (9,), one less where the roll is free: [rad], `RATE_SCALE` x [rad/s], [rad].
     """
     end, nodes = fly_nodes(u, p, form)
     q = jnp.stack(end[:4])
-    rows = [attitude_row(inertial_reference(p), q), rate_row(q, jnp.stack(end[4:7]), p)]
+    missed = attitude_rows(inertial_reference(p), q, p.held)
+    rows = [missed, rate_row(q, jnp.stack(end[4:7]), p)]
     if form.has_waypoint:
         rows.append(attitude_row(inertial_waypoint(p), nodes[p.waypoint_node - 1, :4]))
     return jnp.concatenate(rows)

@@ -19,9 +19,9 @@ import jax.numpy as jnp
 from jax import Array, lax
 
 from jaxatt.optimize.equations import Equations
-from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters
+from jaxatt.problems.hands_off.slew.model import SlewForm, SlewParameters, inertial_reference
 from jaxatt.problems.hands_off.slew.response import flown_states, rows_at
-from jaxatt.problems.terminal_rows import RATE_SCALE
+from jaxatt.problems.terminal_rows import RATE_SCALE, swing_slope
 from jaxatt.simulation.momentum_model import Components
 from jaxatt.simulation.turn_model import turn
 
@@ -200,9 +200,21 @@ def pulse_equations(
         states = lax.cond(accurate, exactly, lambda _: roughly, u)
     rows = rows_at(states, p, form)
 
-    change = sums.first(0)
+    change, matrix = sums.first(0), _matrix(sums)
     ahead = [
         _sum(t[:, k] * change[k] for k in range(3)) - sums.first(a + 1) for a, t in enumerate(whole)
     ]
     reached = jnp.concatenate([ahead[0], RATE_SCALE * change, *ahead[1:]])
-    return Equations(rows, _matrix(sums), reached, pullback)
+    if p.held.shape[0] == 3:
+        return Equations(rows, matrix, reached, pullback)
+    # Of the turn at the end, only what moves the boresight.
+    slope = swing_slope(inertial_reference(p), states[0][:4], p.held)
+
+    def kept(errors: Array) -> Array:
+        return jnp.concatenate([_product(slope, errors[:3]), errors[3:]])
+
+    def given(shares: Array) -> Array:
+        turn = slope[0] * shares[0] + slope[1] * shares[1]
+        return pullback(jnp.concatenate([turn, shares[2:]]))
+
+    return Equations(rows, kept(kept(matrix).T), kept(reached[:, None])[:, 0], given)

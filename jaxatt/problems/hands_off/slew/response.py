@@ -21,6 +21,7 @@ from jaxatt.problems.hands_off.slew.model import (
     inertial_waypoint,
     rate_row,
 )
+from jaxatt.problems.terminal_rows import attitude_rows
 from jaxatt.simulation import momentum_model
 
 
@@ -32,8 +33,10 @@ def attitude_error(reference: Array, q: Array) -> Array:
 
 def end_rows(end: Array, p: SlewParameters) -> Array:
     """Errors of attitude [rad] and rate, `RATE_SCALE` x [rad/s], of a last state (7 or 10,)."""
-    q = end[:4]
-    return jnp.concatenate([attitude_error(inertial_reference(p), q), rate_row(q, end[4:7], p)])
+    q, reference = end[:4], inertial_reference(p)
+    free = p.held.shape[0] == 2
+    missed = attitude_rows(reference, q, p.held) if free else attitude_error(reference, q)
+    return jnp.concatenate([missed, rate_row(q, end[4:7], p)])
 
 
 def passing_rows(q: Array, p: SlewParameters) -> Array:
@@ -49,7 +52,8 @@ def flown_states(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Ar
 
 
 def rows_at(states: tuple[Array, Array], p: SlewParameters, form: SlewForm) -> Array:
-    """Errors at the last node, then of attitude at the waypoint, (6,) or (9,).
+    """Errors at the last node, then of attitude at the waypoint, (6,) or (9,); one less where the
+    roll is free.
 
     states : as `flown_states` returns them.
     """
@@ -93,9 +97,9 @@ def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, A
     if form.has_waypoint:
         node = nodes[p.waypoint_node - 1]
         rows = jnp.concatenate([rows, passing_rows(node[:4], p)])
-        last = jnp.concatenate([last, jnp.zeros((3, size), u.dtype)])
         passing = jax.jacfwd(lambda x: passing_rows(x[:4], p))(node)
-        passing = jnp.concatenate([jnp.zeros((6, size), u.dtype), passing])
+        passing = jnp.concatenate([jnp.zeros_like(last), passing])
+        last = jnp.concatenate([last, jnp.zeros((3, size), u.dtype)])
         injected = (jnp.arange(1, len(states) + 1) == p.waypoint_node).astype(u.dtype)
 
     def backwards(later: Array, inputs: tuple[Array, Array]) -> tuple[Array, Array]:

@@ -29,7 +29,7 @@ from jaxatt.problems.hands_off.slew.model import (
 )
 from jaxatt.problems.hands_off.slew.pointing_path import node_margins
 from jaxatt.problems.hands_off.sparse_program import SparseArguments
-from jaxatt.problems.terminal_rows import attitude_row
+from jaxatt.problems.terminal_rows import attitude_row, attitude_rows
 from jaxatt.simulation import momentum_model
 
 
@@ -94,7 +94,7 @@ def slew_stages(form: SlewForm, size: int) -> OptimalControlProgram:
         return attitude_row(inertial_waypoint(args.plant), x[:4])
 
     def waypoint_weight(stage: SlewStage, args: SparseArguments) -> Array:
-        return jnp.where(stage.node == args.plant.waypoint_node, args.row_weight[6:], 0.0)
+        return jnp.where(stage.node == args.plant.waypoint_node, args.row_weight[-3:], 0.0)
 
     def path(x: Array, directions: Array, p: SlewParameters) -> Array:
         parts = [_speed_margins(x, p)] if form.speed_limited else []
@@ -111,7 +111,7 @@ def slew_stages(form: SlewForm, size: int) -> OptimalControlProgram:
 
     def final_rows(x: Array, args: SparseArguments) -> Array:
         p, q = args.plant, x[:4]
-        rows = [attitude_row(inertial_reference(p), q), rate_row(q, x[4:7], p)]
+        rows = [attitude_rows(inertial_reference(p), q, p.held), rate_row(q, x[4:7], p)]
         if form.has_waypoint:
             rows.append(attitude_row(inertial_waypoint(p), q))
         return jnp.concatenate(rows)
@@ -120,8 +120,8 @@ def slew_stages(form: SlewForm, size: int) -> OptimalControlProgram:
         if not form.has_waypoint:
             return args.row_weight
         count = args.plant.table.nodes.gradient.shape[0] - 1
-        last = jnp.where(args.plant.waypoint_node == count, args.row_weight[6:], 0.0)
-        return jnp.concatenate([args.row_weight[:6], last])
+        last = jnp.where(args.plant.waypoint_node == count, args.row_weight[-3:], 0.0)
+        return jnp.concatenate([args.row_weight[:-3], last])
 
     program = OptimalControlProgram(
         start=start,

@@ -78,7 +78,7 @@ class SlewTask(SparseTask):
     """
 
     threshold = IDLE_SHARE
-    ways = (1.0, -1.0)
+    ways: tuple[float, ...] = (1.0, -1.0)
 
     def __init__(
         self,
@@ -95,7 +95,11 @@ class SlewTask(SparseTask):
         enforce_speed_limits: bool = True,
         pointing: Pointing = FREE,
     ):
+        # Where the roll is free, the one that is nearest is what rolls are told from.
+        target = target.facing(initial_state.q_ob)
         self.craft, self.initial_state, self.target, self.goal = craft, initial_state, target, goal
+        if self.leaves_roll_free:
+            self.ways = (1.0,)  # a whole roll leads from one to the other
         self.grid, self.waypoint, self.axes = grid, waypoint, axes
         self.intervals, self.step = grid.intervals, grid.step
         self.needed_substeps = needed_substeps(
@@ -222,6 +226,11 @@ class SlewTask(SparseTask):
         return other
 
     @property
+    def leaves_roll_free(self) -> bool:
+        """Whether any roll about a direction will do at the end."""
+        return self.target.boresight is not None
+
+    @property
     def limits_speeds(self) -> bool:
         """Whether the programme keeps limits of wheel speeds."""
         return self.form.speed_limited
@@ -309,9 +318,10 @@ class SlewTask(SparseTask):
     def end_errors(self, q_ob: Floats | Array, omega_ob: Floats | Array) -> dict[str, Floats]:
         """Errors (S,) of flights (S, nodes, ...) at the end of the horizon, as `tolerances`."""
         end = self.intervals
+        target = self.target.facing(np.asarray(q_ob[:, end]))
         return {
-            "attitude": _compared(self.target.q_ob, q_ob[:, end])[0],
-            "rate": np.linalg.norm(omega_ob[:, end] - self.target.omega_ob, axis=-1),
+            "attitude": _compared(target.q_ob, q_ob[:, end])[0],
+            "rate": np.linalg.norm(omega_ob[:, end] - target.omega_ob, axis=-1),
         }
 
     def judge(self, flown: Trajectory, controls: Floats) -> Verdict:
@@ -379,10 +389,11 @@ class SlewTask(SparseTask):
     def cost(self, flown: Trajectory, controls: Floats) -> dict[str, Floats]:
         """Parts of the printed cost, (5.3a), (5.5a), (5.7a), (5.9) or (5.14a), each (S,)."""
         w, end = self.goal.weights, self.intervals
-        rate = flown.omega_ob[:, end] - self.target.omega_ob
+        target = self.target.facing(np.asarray(flown.q_ob[:, end]))
+        rate = flown.omega_ob[:, end] - target.omega_ob
         parts = {
             "rate": w.rate * np.sum(rate**2, axis=-1),
-            "attitude": w.attitude * _compared(self.target.q_ob, flown.q_ob[:, end])[1],
+            "attitude": w.attitude * _compared(target.q_ob, flown.q_ob[:, end])[1],
         }
         if self.waypoint is not None:
             q = flown.q_ob[:, self.waypoint.node]
@@ -409,10 +420,13 @@ class SlewTask(SparseTask):
 
     def moving_starts(self, count: int, seed: int) -> tuple[Floats, Floats]:
         """See `SparseTask.moving_starts`."""
-        return moving_starts(self.craft, self.mounting, self.arguments.plant, count, seed)
+        plant = self.arguments.plant
+        return moving_starts(self.craft, self.mounting, plant, self.target, count, seed)
 
     def long_way_probability(self) -> float:
         """See `jaxatt.problems.manoeuvre.long_way_probability`."""
+        if self.leaves_roll_free:
+            return 0.0
         between = product(conjugate(np.asarray(self.start.q_ob)), np.asarray(self.target.q_ob))
         turn = turn_of(between if between[0] >= 0.0 else -between)
         rate, duration = self.initial_state.omega_ob, self.intervals * self.step

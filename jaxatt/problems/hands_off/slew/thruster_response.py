@@ -18,7 +18,7 @@ from jaxatt.problems.hands_off.slew.model import (
     inertial_reference,
     rate_row,
 )
-from jaxatt.problems.terminal_rows import RATE_SCALE
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_rows, swing_slope
 from jaxatt.simulation import external_model
 from jaxatt.simulation.momentum_model import Components, cross, matvec
 
@@ -67,22 +67,32 @@ def _attitude_slope(error: Array) -> Array:
 
 
 def terminal_errors(q: Array, omega: Array, p: SlewParameters) -> Array:
-    """Attitude error, 4 sin(phi/4) about its inertial axis, and scaled rate error, (6,)."""
-    return jnp.concatenate([_attitude_row(_attitude_error(q, p)), rate_row(q, omega, p)])
+    """Attitude error, 4 sin(phi/4) about its inertial axis, and scaled rate error, (6,).
+
+    Where the roll is free, the two errors of the boresight and that of the rate, (5,).
+    """
+    if p.held.shape[0] == 2:
+        missed = attitude_rows(inertial_reference(p), q, p.held)
+    else:
+        missed = _attitude_row(_attitude_error(q, p))
+    return jnp.concatenate([missed, rate_row(q, omega, p)])
 
 
 def thruster_rows(u: Array, p: SlewParameters, form: SlewForm) -> Array:
-    """Terminal errors of scaled controls, (6,)."""
+    """Terminal errors of scaled controls, as `terminal_errors`."""
     end, _ = fly_thrusters(u, p, form)
     return terminal_errors(jnp.stack(end[:4]), jnp.stack(end[4:7]), p)
 
 
 def thruster_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, Array]:
-    """Terminal errors (6,) and their derivatives (N, 6, b) for scaled controls u (N, b)."""
+    """Terminal errors (m,) and their derivatives (N, m, b) for scaled controls u (N, b)."""
     end, nodes = fly_thrusters(u, p, form)
     history = jnp.concatenate([jnp.concatenate([p.start, p.momentum])[None], nodes])
     rows = terminal_errors(jnp.stack(end[:4]), jnp.stack(end[4:7]), p)
-    slope = _attitude_slope(_attitude_error(jnp.stack(end[:4]), p))
+    if p.held.shape[0] == 2:
+        slope = swing_slope(inertial_reference(p), jnp.stack(end[:4]), p.held)
+    else:
+        slope = _attitude_slope(_attitude_error(jnp.stack(end[:4]), p))
     return rows, _sweep(history, end, slope, p, u.shape[1])
 
 
@@ -142,9 +152,9 @@ def through_interval(
 
 
 def _sweep(history: Array, end: Components, slope: Array, p: SlewParameters, size: int) -> Array:
-    """Derivatives (N, 6, b) from the states at all nodes (N + 1, 10).
+    """Derivatives (N, m, b) from the states at all nodes (N + 1, 10).
 
-    slope : (3, 3), see `_attitude_slope`.
+    slope : (3, 3), see `_attitude_slope`; (2, 3) where the roll is free.
     """
     zero = jnp.zeros((), history.dtype)
     nothing: Components = (zero, zero, zero)
@@ -152,7 +162,7 @@ def _sweep(history: Array, end: Components, slope: Array, p: SlewParameters, siz
     turned = _rows_of(end[:4])
     first: list[Row] = [
         (_combined(tuple(slope[i, j] for j in range(3)), turned), nothing, nothing)
-        for i in range(3)
+        for i in range(slope.shape[0])
     ]
     # The orbit frame turns too slowly for the attitude's share in the rate row to matter.
     first += [(nothing, tuple(RATE_SCALE * x for x in e), nothing) for e in unit]

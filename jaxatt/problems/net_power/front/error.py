@@ -35,6 +35,11 @@ def error_front(scenario: Scenario, asked: FrontRequest, report: Report | None) 
         raise ScenarioError(
             f"{scenario.name}: [target] has no attitude, so there is no error at the end; give one"
         )
+    if scenario.leaves_roll_free:
+        raise ScenarioError(
+            f"{scenario.name}: [target] leaves the roll free, and this front weighs the error of "
+            "the whole attitude; add constrain beside align, or ask for the front of time"
+        )
     if options.wheel_speed_at_end is not None:
         raise ScenarioError(
             f"{scenario.name}: [target] wheel_speed_rad_s: not together with an attitude that may "

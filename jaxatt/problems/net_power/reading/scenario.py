@@ -19,7 +19,7 @@ from jaxatt.problems.net_power.reading.objective import read_baseline, read_obje
 from jaxatt.problems.net_power.reading.printed import PRINTED_ROWS, check_printed_totals
 from jaxatt.problems.net_power.reading.satellite import read_satellite
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
-from jaxatt.problems.reading.aims import read_state
+from jaxatt.problems.reading.aims import read_goal, read_state
 from jaxatt.problems.reading.attitude_files import refuse_beside_file
 from jaxatt.problems.reading.attitudes import attitude_given
 from jaxatt.problems.reading.directions import Sky, sky_over
@@ -93,7 +93,7 @@ def read_along(
     target, target_frame, speeds = None, "inertial", None
     if "target" in document:
         target, target_frame, speeds = _target(
-            document["target"], origin, craft, sky, horizon, notes
+            document["target"], origin, craft, sky, horizon, objective.terminal, notes
         )
     return Scenario(
         **vars(heading),
@@ -199,7 +199,13 @@ def _initial(
 
 
 def _target(
-    data: Any, origin: str, craft: Spacecraft, sky: Sky, horizon: Horizon, notes: list[str]
+    data: Any,
+    origin: str,
+    craft: Spacecraft,
+    sky: Sky,
+    horizon: Horizon,
+    terminal: str,
+    notes: list[str],
 ) -> tuple[Target | None, str, Floats | None]:
     """Read the target; an empty one leaves attitude and rate at the end free."""
     table = Table(data, origin, "[target]", NET_POWER_TABLES["target"])
@@ -222,17 +228,32 @@ def _target(
     tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
     first = horizon.shortest if horizon.free else horizon.duration
     last = horizon.longest if horizon.free else horizon.duration
-    attitude, rate = read_state(table, notes, sky, first, last)
+    if "align" in table and "constrain" not in table:
+        _check_free_roll(table, horizon, terminal)
+    attitude, rate, boresight = read_goal(table, notes, sky, first, last)
     return (
         Target(
             q_ob=attitude,
             omega_ob=rate,
+            boresight=boresight,
             attitude_tolerance=math.radians(tolerance),
             rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
         ),
         sky.frame,
         speeds,
     )
+
+
+def _check_free_roll(table: Table, horizon: Horizon, terminal: str) -> None:
+    """Refuse a target that leaves the roll free where attitudes are decided in another way."""
+    problem = ""
+    if horizon.free:
+        problem = "missing beside align; manoeuvres by magnetorquers alone leave no roll free"
+    elif terminal == "penalty":
+        problem = 'missing beside align; terminal = "penalty" weighs the whole attitude'
+    if problem:
+        mend = 'add constrain = { body = [1.0, 0.0, 0.0], toward = "velocity" }'
+        table.fail("constrain", problem, mend if horizon.free else f'use "reach", or {mend}')
 
 
 def _floor(data: Any, origin: str, craft: Spacecraft) -> float:

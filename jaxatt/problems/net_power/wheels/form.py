@@ -15,7 +15,8 @@ class WheelsForm:
     power : of the wheels: "signed" (4.6), "body" (5.7), "wheels" for each by itself.
     each : whether the momentum of every wheel is carried, not only their sum in body axes.
     magnetorquers : "none", "managing" the momentum by a law, or "decided" by the optimiser.
-    end : "reach", "rate", "penalty" or "free"; see `Manoeuvre.terminal`.
+    end : "reach", "rate", "penalty" or "free"; see `Manoeuvre.terminal`.  "point" reaches a
+        direction, with any roll about the boresight.
     speeds : whether wheel speeds at the end are asked for.
     charge : whether the battery's charge is carried, for its floor.
     substeps : steps of the motion an interval.

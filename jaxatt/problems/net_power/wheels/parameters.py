@@ -88,6 +88,7 @@ class WheelsParameters:
     dipole_limit : (3,) [A m^2].  dipole_price : (3,) [W/(A m^2)] of magnitudes, dipole_loss : (3,)
         [W/(A m^2)^2] of squares, and rounding : () [A m^2] of the magnitudes.
     reference, reference_rate : (4,), (3,) [rad/s] to end in; the quaternion's sign picks the way.
+    held : (3, 3) or (2, 3), body axes about which the attitude at the end is held.
     reference_stored : (k,), coordinates of the wheels at the end; end_rows : (r, k), what of them
         is asked for.
     spread : (3, 3), inverse of A A'.
@@ -123,6 +124,7 @@ class WheelsParameters:
     rounding: Array
     reference: Array
     reference_rate: Array
+    held: Array
     reference_stored: Array
     end_rows: Array
     spread: Array

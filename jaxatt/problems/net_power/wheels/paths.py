@@ -47,12 +47,13 @@ def ways(task: WheelsTask, count: int, seed: int) -> Way:
     )
     # The first start does what the PD law does, so that even one alone is worth something.
     drawn[0, :4] = 0.0, 0.0, 0.0, 1.0
-    begin, end = _ends(task)
+    begin, end, _ = _ends(task, count)
     shape = (count * _CHOICE,)
     which = (drawn[:, 4 : 4 + _CHOICE].reshape(shape) * len(task.best.body)).astype(int)
     roll = 2.0 * np.pi * drawn[:, 4 + _CHOICE :].reshape(shape)
     offered = _towards(task.best.body[which], _sunward(task), roll)
-    needed = turn_time(task, begin, offered) + turn_time(task, offered, end)
+    needed = turn_time(task, begin, offered)
+    needed = needed + turn_time(task, offered, np.repeat(end, _CHOICE, axis=0))
     needed = needed.reshape(count, _CHOICE)
     chosen = np.where(drawn[:, 0] < _QUICKEST, needed.argmin(axis=1), 0)
     middle = offered.reshape(count, _CHOICE, 4)[np.arange(count), chosen]
@@ -79,10 +80,13 @@ def _sunward(task: WheelsTask) -> Floats:
     return direction
 
 
-def _ends(task: WheelsTask) -> tuple[Floats, Floats]:
+def _ends(task: WheelsTask, count: int) -> tuple[Floats, Floats, Floats]:
+    """Where starts begin, (4,), and end, (S, 4), and their rates (S, 3) [rad/s] there."""
     begin = np.asarray(task.parameters.start[:4])
-    end = begin if task.manoeuvre.end is None else np.asarray(task.parameters.reference)
-    return begin, end
+    if task.manoeuvre.end is None:
+        return begin, np.tile(begin, (count, 1)), np.zeros((count, 3))
+    end = task.manoeuvre.end.of_starts(count)
+    return begin, end.q_ib / np.linalg.norm(end.q_ib, axis=1, keepdims=True), end.omega_ib
 
 
 def _towards(body: Floats, inertial: Floats, roll: Floats) -> Floats:
@@ -106,9 +110,9 @@ def turn_time(task: WheelsTask, begin: Floats, end: Floats) -> Floats:
 
 def quickest_turn(task: WheelsTask) -> float:
     """Time [s] of the quickest turn about one axis from the start to the end, from rest to rest."""
-    begin, end = _ends(task)
+    begin, end, _ = _ends(task, 1)
     # Full torque one way and then the other.
-    return float(2.0 * np.sqrt(_squared_time(task, begin, end[None])[0]))
+    return float(2.0 * np.sqrt(_squared_time(task, begin, end)[0]))
 
 
 def _squared_time(task: WheelsTask, begin: Floats, end: Floats) -> Floats:
@@ -134,19 +138,18 @@ def _profile(s: Floats) -> Floats:
 
 def references(task: WheelsTask, way: Way, times: Any) -> Floats:
     """Attitudes (S, n, 4) along the ways, at times (n,) [s] after their beginning."""
-    begin, end = _ends(task)
+    begin, end, rate = _ends(task, len(way.middle))
     total = task.manoeuvre.duration
     first = _profile(times[None] / way.first[:, None])
     back = logarithm(product(conjugate(way.middle), begin))
     path = product(way.middle[:, None], exponential((1.0 - first)[..., None] * back[:, None]))
     if task.manoeuvre.end is None:
         return path
-    rate = np.asarray(task.parameters.reference_rate)
     leave = total - way.second
-    final = product(end, exponential((times - total)[:, None] * rate))
+    final = product(end[:, None], exponential((times - total)[:, None] * rate[:, None]))
     leaving = product(end, exponential((leave - total)[:, None] * rate))
     apart = logarithm(product(conjugate(leaving), way.middle))
     second = _profile((times[None] - leave[:, None]) / way.second[:, None])
-    closing = product(final[None], exponential((1.0 - second)[..., None] * apart[:, None]))
+    closing = product(final, exponential((1.0 - second)[..., None] * apart[:, None]))
     after = (times[None] >= leave[:, None])[..., None]
     return np.where(after, closing, path)

@@ -30,7 +30,7 @@ from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelS
 from jaxatt.problems.net_power.wheels.rows import Rows
 from jaxatt.problems.net_power.wheels.sunlight import collected
 from jaxatt.problems.net_power.wheels.turn import multiplied
-from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
+from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_rows, rolled_rate
 from jaxatt.simulation.momentum_model import to_body
 
 
@@ -91,9 +91,10 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
 
     def final_rows(x: Array, p: WheelsParameters) -> Array:
         omega = jnp.stack(at.rate(x, p, form))
-        rows = [RATE_SCALE * (omega - p.reference_rate)]
-        if form.end == "reach":
-            rows.append(attitude_row(p.reference, x[:4]))
+        wanted = rolled_rate(p.reference, p.reference_rate, x[:4], p.held)
+        rows = [RATE_SCALE * (omega - wanted)]
+        if form.end in ("reach", "point"):
+            rows.append(attitude_rows(p.reference, x[:4], p.held))
         if form.speeds:
             missed = at.stored(x, form) - p.reference_stored
             rows.append(RATE_SCALE * at.product(p.end_rows, missed))
@@ -123,7 +124,7 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         difference=difference,
         inequality=inequality if limited else None,
         final_inequality=(lambda x, p: (x[-1] - p.floor)[None]) if form.charge else None,
-        final_rows=final_rows if form.end in ("reach", "rate") else None,
+        final_rows=final_rows if form.end in ("reach", "point", "rate") else None,
         limits=limits,
         linearisation=functools.partial(linearisation, of_z),
         lagrangian_hessian=functools.partial(lagrangian_hessian, of_z),

@@ -127,6 +127,7 @@ def wheels_task(
         rounding=np.asarray(_ROUNDING * power.dipole_limit.max()),
         reference=reference / np.linalg.norm(reference),
         reference_rate=np.zeros(3) if end is None else np.asarray(end.omega_ib, float),
+        held=np.eye(3) if end is None else end.held,
         reference_stored=ending,
         end_rows=rows,
         spread=np.linalg.inv(arms.axes @ arms.axes.T),
@@ -222,11 +223,18 @@ def _form(manoeuvre: Manoeuvre, arms: _Arms, total: float, substeps: int) -> Whe
         power=satellite.wheel_power,
         each=satellite.wheel_power == "wheels" or speeds or not arms.alike,
         magnetorquers=magnetorquers if torqued else "none",
-        end="free" if end is None else manoeuvre.terminal,
+        end=_kind_of_end(manoeuvre),
         speeds=speeds,
         charge=math.isfinite(manoeuvre.floor),
         substeps=substeps,
     )
+
+
+def _kind_of_end(manoeuvre: Manoeuvre) -> str:
+    if manoeuvre.end is None:
+        return "free"
+    points = manoeuvre.end.boresight is not None and manoeuvre.terminal == "reach"
+    return "point" if points else manoeuvre.terminal
 
 
 def _end_rows(arms: _Arms, form: WheelsForm) -> Floats:
