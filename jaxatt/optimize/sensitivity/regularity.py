@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from scipy.linalg import eigh
 
 from jaxatt.optimize.sensitivity.conditions import Condensed
 from jaxatt.runtime.arrays import Flags, Floats
@@ -20,7 +21,10 @@ _WEAK = 1e-6
 _DEPENDENT = 1e-8
 """Singular value of the unit gradients of active limits below which they are dependent."""
 _FLAT = 1e-7
-"""Curvature, as a share of the largest, up to which an answer is not a strict minimum."""
+"""Curvature, in units of each variable in which its own is one, up to which an answer is not a
+strict minimum."""
+_STRAIGHT = 1e-12
+"""Curvature of a variable, as a share of the largest, up to which it counts as none of its own."""
 _VANISHING = (1e-6, 1e-2)
 """Length of a gradient, as a share of the longest, up to which it has none: where Newton steps
 converged, and where they did not, as they do not where it vanishes at the answer."""
@@ -114,12 +118,13 @@ def flags_of(at: Condensed, holding: Holding, labels: tuple[str, ...]) -> tuple[
         null = _null_space(np.concatenate([at.equality, at.margins[strong]]), _VANISHING[rough])[1]
     flat = _flat(at.hessian, null, holding.scale)
     if flat is not None or (slow and null.shape[1]):
-        least = "0" if flat is None else f"{flat:.2g}"
+        least = "0" if flat is None else f"{flat:.1g}"
         found.append(
             Flag(
                 Degeneracy.FLAT,
-                f"the curvature along what the limits leave free is as low as {least}: the answer "
-                "is not a strict minimum, and may move faster than its parameters",
+                f"the curvature along what the limits leave free is as low as {least} of that of "
+                "single variables: the answer is no strict minimum, and may move faster than its "
+                "parameters",
             )
         )
     return tuple(found)
@@ -147,10 +152,16 @@ def _null_space(rows: Floats, vanishing: float) -> tuple[int, Floats]:
 
 
 def _flat(hessian: Floats, null: Floats, scale: float) -> float | None:
-    """The least curvature on a subspace, where it is not clearly positive."""
+    """The least curvature on a subspace (n, n - rank), where it is not clearly positive.
+
+    It is that in units of each variable in which its own curvature is one: those of a time and of
+    a torque may be apart by many powers of ten.
+    """
     if not null.shape[1] or not np.isfinite(hessian).all():
         return None if not null.shape[1] else float("nan")
     reduced = null.T @ hessian @ null
-    values = np.linalg.eigvalsh(0.5 * (reduced + reduced.T))
     largest = max(float(np.abs(hessian).max(initial=0.0)), 1e-3 * scale)
-    return float(values[0]) if values[0] <= _FLAT * largest else None
+    own = np.maximum(np.abs(np.diag(hessian)), _STRAIGHT * largest)
+    squares = null.T @ (own[:, None] * null)
+    least = eigh(0.5 * (reduced + reduced.T), squares, eigvals_only=True, subset_by_index=(0, 0))
+    return float(least[0]) if least[0] <= _FLAT else None

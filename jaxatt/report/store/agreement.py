@@ -16,6 +16,11 @@ def check_same(path: Path, found: Layout, asked: Layout) -> None:
     other = "name another folder, or remove this one to begin again"
     for name in {**asked.identity, **found.identity}:
         has, wants = found.identity.get(name), asked.identity.get(name)
+        if name == "contents" and has != wants:
+            raise OutputError(
+                f"{path}: holds samples of other values, or of a scenario that was another then; "
+                f"{other}"
+            )
         if has != wants:
             raise OutputError(f"{path}: holds {name} {has}, not {wants}; {other}")
     if (found.samples, found.chunk) != (asked.samples, asked.chunk):

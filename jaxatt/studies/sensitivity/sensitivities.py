@@ -17,6 +17,7 @@ from jaxatt.scenarios.catalog import load
 from jaxatt.scenarios.loader import replace
 from jaxatt.studies.sensitivity.parameters import directions_of
 from jaxatt.studies.sensitivity.result import ScenarioSensitivities
+from jaxatt.studies.sweep.numbers import places, whole_document
 
 
 def sensitivities(
@@ -45,6 +46,8 @@ def sensitivities(
     changes = {"solver.starts": starts, "solver.seed": seed}
     given = {key: value for key, value in changes.items() if value is not None}
     case = replace(case, given) if given else case
+    for name in parameters or ():
+        places(case, whole_document(case), name)  # refused before anything is solved
     answer = sensitive_answer(case, report, phase)
     found = directions_of(case, answer.arguments, parameters)
     record = answer.optimum.along(found.names, found.values, found.along)
