@@ -86,7 +86,7 @@ def test_merged_tasks_are_the_whole_map(whole, tmp_path):
 
 
 def test_a_store_of_another_map_is_refused(whole):
-    with pytest.raises(OutputError, match="contents"):
+    with pytest.raises(OutputError, match="samples of other values"):
         attitude_map(slew(**{"vehicle.wheels.torque_limit_Nm": 2e-3}), COUNT, whole.path)
 
 

@@ -207,7 +207,7 @@ def test_bad_input_ends_with_a_sentence(whole: Path, tmp_path: Path) -> None:
         (("sweep", study, "--task", "two"), "--task two: is no task"),
         (("sweep", "mrp-k3"), "mrp-k3: varies nothing; write a study with scenario"),
         (("sweep", "torque-and-horizo"), "did you mean"),
-        (("sweep", study, "--starts", 4, "--out", out), "holds contents"),
+        (("sweep", study, "--starts", 4, "--out", out), "holds samples of other values"),
         (("sweep", tmp_path / "none.toml", "--out", tmp_path), "none of 6 samples"),
         (("show", tmp_path), "is no store"),
         (("show", tmp_path / "nowhere.zarr"), "no such store"),
@@ -216,7 +216,7 @@ def test_bad_input_ends_with_a_sentence(whole: Path, tmp_path: Path) -> None:
     for arguments, words in cases:
         found = invoke(*arguments)
         assert found.exit_code == 2 and words in plain(found), (arguments, found.output)
-    with pytest.raises(OutputError, match="holds contents"):
+    with pytest.raises(OutputError, match="holds samples of other values"):
         document = {**scenarios_document(), "name": "toy"}
         run_study(read_study(document), out / "toy.zarr")
 
