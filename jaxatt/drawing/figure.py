@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from jaxatt.runtime.files import replacing
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 # Okabe and Ito (2008), ordered so that neighbours differ in brightness too.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 CHEAP, FORBIDDEN, COAST = "#F0E442", "#666666", "#DDDDDD"
+_LETTERS = 9.5
+"""Letters of a title that fit into an inch."""
 
 
 def picture(width: float, height: float, title: str = "") -> Picture:
@@ -25,7 +28,8 @@ def picture(width: float, height: float, title: str = "") -> Picture:
 
     figure = Picture(figsize=(width, height), layout="constrained")
     if title:
-        figure.suptitle(title)
+        across = round(_LETTERS * width)
+        figure.suptitle("\n".join(fill(line, across) for line in title.splitlines()))
     return figure
 
 
