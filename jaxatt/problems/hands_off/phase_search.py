@@ -50,7 +50,7 @@ def search_phase(
         if isinstance(task, SlewTask) and isinstance(again, SlewTask):
             return again.enforcing(
                 task.constraint_margin, task.form.speed_limited, task.speed_margin
-            )
+            ).weaker(task.torque_margin)
         return again
 
     if not horizon.free:

@@ -18,7 +18,6 @@ from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.reading.wheel_speeds import note_of_motors
 from jaxatt.problems.scenario import Control, Horizon, Scenario
 from jaxatt.spacecraft import Spacecraft
 
@@ -32,7 +31,6 @@ def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -
     )
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
-    note_of_motors(vehicle.wheels, notes)
     objective = read_objective(document.get("objective", {}), origin, vehicle)
     if "transcription" in document:
         raise ScenarioError(

@@ -18,6 +18,7 @@ from jaxatt.problems.hands_off.search.polish import Method, polish
 from jaxatt.problems.hands_off.search.search import Found, chosen, search
 from jaxatt.problems.hands_off.slew.task import SlewTask
 from jaxatt.problems.hands_off.task import SparseTask
+from jaxatt.problems.motor_torques import motor_excess
 from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.runtime.arrays import Floats
@@ -28,6 +29,10 @@ _LITTLE = 0.02
 """Excess up to which a margin is worth a try: [rad] over a cone, or a share of a rate limit."""
 _BEYOND = 1.2
 """Factor of the excess by which a margin grows."""
+_LESS = 1.05
+"""Factor of the torque that motors lack by which the search has less of it."""
+_LEAST = 0.95
+"""Share of a torque limit that a search can do without."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,28 @@ def search_within_limits(
     inner: str = "auto",
     report: Report | None = None,
 ) -> Limited:
-    """As `search`, for a task whose path constraints are at first only judged."""
+    """As `search`, for a task whose path constraints are at first only judged.
+
+    Motors whose torque falls with speed, or that work against friction, are judged too; where they
+    lack torque, the search is made again with less of it.
+    """
+    outcomes = [_within_path_limits(task, count, seed, guess, inner, report)]
+    for _ in range(_ROUNDS):
+        weaker = _weaker(outcomes[-1], task)
+        if weaker is None:
+            break
+        outcomes.append(_within_path_limits(weaker, count, seed, guess, inner, report))
+    return _best(outcomes)
+
+
+def _within_path_limits(
+    task: SparseTask,
+    count: int,
+    seed: int,
+    guess: Floats | None,
+    inner: str,
+    report: Report | None,
+) -> Limited:
     if not isinstance(task, SlewTask) or not task.has_path_limits:
         return Limited(task, search(task, count, seed, guess, inner, report))
     anywhere = search(task.ignoring_path_limits(), count, seed, guess, inner, report)
@@ -70,7 +96,11 @@ def search_within_limits(
             outcomes.append(Limited(tightened, found))
         if _violating(outcomes[-1]) is None:
             break
-    # A larger margin may cost an answer that the round before it found.
+    return _best(outcomes)
+
+
+def _best(outcomes: list[Limited]) -> Limited:
+    """The best that reaches: a larger margin may cost an answer that the round before it found."""
     reached = [outcome for outcome in outcomes if outcome.found.best.verdict.reached[0]]
     best = (reached or outcomes[-1:])[0]
     for other in reached[1:]:
@@ -146,3 +176,15 @@ def _tightened(outcome: Limited) -> SlewTask | None:
     if not 0.0 < worst <= _LITTLE:
         return None
     return task.enforcing(margin, task.limits_speeds, task.speed_margin + _BEYOND * over)
+
+
+def _weaker(outcome: Limited, asked: SparseTask) -> SlewTask | None:
+    """The task that was asked for with less torque, where the motors of an answer lack some."""
+    first, task = _violating(outcome), outcome.task
+    if first is None or not isinstance(task, SlewTask) or not isinstance(asked, SlewTask):
+        return None
+    speeds = task.wheel_speeds(task.fly(first.controls))[0]
+    lacks = motor_excess(task.craft.wheels, task.wheel_torque(first.controls), speeds)[0]
+    if not lacks.max(initial=0.0) > Verdict.MARGIN_TOLERANCE:
+        return None
+    return asked.weaker(np.minimum(task.torque_margin + _LESS * np.maximum(lacks, 0.0), _LEAST))

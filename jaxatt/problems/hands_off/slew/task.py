@@ -119,6 +119,7 @@ class SlewTask(SparseTask):
         self.pointing = pointing
         self.constraint_margin: Floats | None = None
         self.speed_margin: Floats = np.zeros(craft.wheels.count)
+        self.torque_margin: Floats = np.zeros(craft.wheels.count)
         self.judges_path, self.judges_bias = True, False
         self.path_monitor = PathMonitor(self.table, pointing, grid.start_time)
         self.flights = SlewFlights(
@@ -183,6 +184,19 @@ class SlewTask(SparseTask):
         other.arguments = replace(self.arguments, plant=plant)
         return other
 
+    def weaker(self, torque_margin: Floats) -> SlewTask:
+        """The same slew searched with less torque than the wheels' limits, which the verdict keeps.
+
+        torque_margin : (n,), the shares of the limits that are left out.
+        """
+        other = copy.copy(self)
+        other.torque_margin = torque_margin
+        plant = self.arguments.plant
+        left = (1.0 - self.torque_margin) / (1.0 - torque_margin)
+        to_wheels = jax.device_put(np.asarray(plant.to_wheels) * left[:, None])
+        other.arguments = replace(self.arguments, plant=replace(plant, to_wheels=to_wheels))
+        return other
+
     def adding(self, null_torque: Floats) -> SlewTask:
         """The same slew flown with more torque (N, n) [N m] on the wheels, which must cancel in the
         body; its verdict then has the wheels' bias, too."""
@@ -199,8 +213,10 @@ class SlewTask(SparseTask):
         if self.pointing:
             given = like.constraint_margin if isinstance(like, SlewTask) else None
             margin = np.zeros(len(self.pointing.cones) + 1) if given is None else given
-        speed_margin = like.speed_margin if isinstance(like, SlewTask) else None
-        return self.enforcing(margin, like.limits_speeds, speed_margin)
+        if not isinstance(like, SlewTask):
+            return self.enforcing(margin, like.limits_speeds)
+        kept = self.enforcing(margin, like.limits_speeds, like.speed_margin)
+        return kept.weaker(like.torque_margin)
 
     @property
     def path_names(self) -> tuple[str, ...]:
