@@ -44,12 +44,12 @@ def test_what_needs_no_model_has_any_date(date):
 )
 def test_what_needs_a_model_has_its_dates(make, inside, outside):
     make(inside)
-    with pytest.raises(ScenarioError, match=r"epoch = .* is outside .*, which is known between"):
+    with pytest.raises(ScenarioError, match=r"(epoch = |ends at ).* is outside .*, which is known"):
         make(outside)
 
 
 def test_the_end_of_a_motion_counts_too():
-    with pytest.raises(ScenarioError, match=r"the motion ends at 2050-01-01T00:01:09Z, which is"):
+    with pytest.raises(ScenarioError, match=r"the motion ends at 2050-01-01T00:01:37Z, which is"):
         dated("2049-12-31T23:59:59Z")
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from jaxatt.environment import epoch, igrf, sun
 from jaxatt.problems.reading.fields import Table
 
+_WRITTEN = "%Y-%m-%dT%H:%M:%SZ"
 _ROUNDING = 1e-9  # days; an epoch is kept as a number of days
 
 
@@ -43,6 +44,19 @@ _ANY = _between("the orientation of the Earth", 1800, 2200)
 def moment_of(days: float) -> dt.datetime:
     """Moment of an epoch, days since J2000."""
     return epoch.J2000 + dt.timedelta(days=days)
+
+
+def beyond(model: DatedModel, days: float, duration: float) -> str:
+    """Words on a motion that leaves the dates of a model; empty where it does not.
+
+    days : since J2000.  duration : [s] from then on.
+    """
+    end = days + duration / epoch.SECONDS_PER_DAY
+    if model.holds(days) and model.holds(end):
+        return ""
+    if model.holds(days):
+        return f"the motion ends at {moment_of(end):{_WRITTEN}}, which is outside {model.span}"
+    return f"epoch = {moment_of(days):{_WRITTEN}} is outside {model.span}"
 
 
 def read_epoch(table: Table) -> float | None:
@@ -80,7 +94,7 @@ def check_epoch(
         end = days + duration / epoch.SECONDS_PER_DAY
         if model.holds(days) and model.holds(end):
             continue
-        later = f"the motion ends at {moment_of(end):%Y-%m-%dT%H:%M:%SZ}, which "
+        later = f"the motion ends at {moment_of(end):{_WRITTEN}}, which "
         table.fail(
             "epoch",
             f"{later if model.holds(days) else ''}is outside {model.span}; {need} needs "

@@ -14,7 +14,7 @@ from jaxatt.environment import igrf, toward
 from jaxatt.environment.epoch import SECONDS_PER_DAY, decimal_year
 from jaxatt.environment.motion import Motion
 from jaxatt.environment.orbit_data.element_set import ElementSet
-from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, moment_of
+from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, beyond, moment_of
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.schema import DIRECTION_KEYS
@@ -223,8 +223,10 @@ def _check_known(table: Table, kind: str, key: str, sky: Sky, last: float) -> No
     if sky.days is None:
         table.fail(key, "needs the date", 'add a line such as epoch = "2026-06-21T12:00:00Z"')
     model: DatedModel | None = {"sun": SUNLIGHT, "field": MAGNETIC_FIELD}.get(kind)
-    if model and not (model.holds(sky.days) and model.holds(sky.days + last / SECONDS_PER_DAY)):
-        table.fail(key, f"{model.name} is known from {model.span}", "give a date within")
+    outside = beyond(model, sky.days, last) if model else ""
+    if model and outside:
+        problem = f"needs {model.name}; {outside}, which is known between them"
+        table.fail(key, problem, "give a date within")
 
 
 def _days(sky: Sky) -> float:

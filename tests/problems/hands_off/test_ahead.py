@@ -35,7 +35,16 @@ def compiled():
     jax.monitoring.unregister_event_duration_listener(listen)
 
 
-def test_a_search_finds_all_its_large_programs_ready(task, compiled):
+@pytest.fixture
+def unkept():
+    """Programs that are not kept on disk have names of their own."""
+    before = jax.config.values["jax_compilation_cache_dir"]
+    jax.config.update("jax_compilation_cache_dir", None)
+    yield
+    jax.config.update("jax_compilation_cache_dir", before)
+
+
+def test_a_search_finds_all_its_large_programs_ready(task, compiled, unkept):
     method = Method("l0", rows=11)  # a size that no other test has had compiled
     with compiled_ahead(task, method):
         pass

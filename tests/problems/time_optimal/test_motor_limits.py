@@ -2,7 +2,6 @@
 
 import functools
 
-import casadi as ca
 import numpy as np
 import pytest
 
@@ -49,6 +48,8 @@ def turned(ideal=False):
 
 def slope(craft, x, u):
     """Time derivative of q (4), omega (3) and wheel speeds (n), without external torques."""
+    import casadi as ca
+
     q, w, s = x[:4], x[4:7], x[7:]
     wheels = craft.wheels
     axes, spin = ca.DM(np.asarray(wheels.axes)), ca.DM(np.asarray(wheels.inertia))
@@ -64,6 +65,8 @@ def ipopt_time(task, guess):
 
     guess : torques (N, n), step and states to start from.
     """
+    import casadi as ca
+
     craft, n = task.craft, task.craft.wheels.count
     limit = np.asarray(craft.wheels.torque_limit)
     opti = ca.Opti()
@@ -100,6 +103,7 @@ def ipopt_time(task, guess):
 
 @pytest.mark.slow
 def test_the_time_is_ipopts_and_longer_than_with_ideal_motors():
+    pytest.importorskip("casadi")
     task, found = turned()
     assert found.reached[found.best]
     torque, step = found.controls[found.best], float(found.step[found.best])
