@@ -39,7 +39,7 @@ class Beginning(NamedTuple):
     momentum_i: Array
 
 
-def _begin(
+def _from_orbit(
     craft: Spacecraft, q_ob: Array, omega_ob: Array, omega_bw: Array, environment: Environment
 ) -> Beginning:
     """Beginning from attitude and rate relative to the orbit, and wheel speeds."""
@@ -49,7 +49,18 @@ def _begin(
     return Beginning(state, q_ib, momentum, quaternion.rotate(q_ib, momentum))
 
 
-begin = Routine(_begin, options=RUNS_ONCE)
+_begun = Routine(_from_orbit, options=RUNS_ONCE)
+
+
+def begin(
+    craft: Spacecraft, q_ob: Floats, omega_ob: Floats, omega_bw: Floats, environment: Environment
+) -> Beginning:
+    """As `_from_orbit`, on no device in particular: a program that was kept leaves it on one."""
+    found: Beginning = jax.tree.map(
+        lambda leaf: jax.device_put(np.asarray(leaf)),
+        _begun(craft, q_ob, omega_ob, omega_bw, environment),
+    )
+    return found
 
 
 def _nearer(q: Floats, to: Floats) -> Floats:
