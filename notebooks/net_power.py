@@ -295,7 +295,7 @@ for axes, torque in zip(column[1:], (magnetic, disturbing), strict=True):
 for axes in column:
     legend(axes)
 display(figure)
-display(plan_figures(plan)["ground_track"])
+display(plan_figures(plan)["ground_track"]())
 
 # %% [markdown]
 # ## Chapter 6: magnetorquers alone, in free time
