@@ -54,7 +54,7 @@ def show(name, *panels):
     made = plots.figures(results[name])
     for number, panel in panels:
         display(Markdown(f"*As figure {number} of the paper:*"))
-        display(made[panel])
+        display(made[panel]())
 
 
 # %% [markdown]
@@ -145,7 +145,7 @@ table(
         for mode, way in ways.items()
     ],
 )
-display(plots.figures(results["eseo-1"])["valves"])
+display(plots.figures(results["eseo-1"])["valves"]())
 
 # %% [markdown]
 # A valve has a shortest opening. With 50 ms the short openings are dropped or prolonged and the
