@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 
 from jaxatt.optimize.sensitivity.conditions import Condensed
 from jaxatt.runtime.arrays import Flags, Floats
@@ -163,5 +163,7 @@ def _flat(hessian: Floats, null: Floats, scale: float) -> float | None:
     largest = max(float(np.abs(hessian).max(initial=0.0)), 1e-3 * scale)
     own = np.maximum(np.abs(np.diag(hessian)), _STRAIGHT * largest)
     squares = null.T @ (own[:, None] * null)
-    least = eigh(0.5 * (reduced + reduced.T), squares, eigvals_only=True, subset_by_index=(0, 0))
+    least = scipy.linalg.eigh(
+        0.5 * (reduced + reduced.T), squares, eigvals_only=True, subset_by_index=(0, 0)
+    )
     return float(least[0]) if least[0] <= _FLAT else None

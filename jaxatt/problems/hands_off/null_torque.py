@@ -9,8 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import null_space
-from scipy.optimize import linprog, nnls
+import scipy
 
 from jaxatt.runtime.arrays import Flags, Floats
 
@@ -78,7 +77,7 @@ def _share(basis: Floats, wanted: Floats, held: Floats, room: Floats) -> float:
     rows, most = _rows(basis, held, room)
     size = basis.shape[1]
     summed = np.hstack([np.tile(np.eye(size), len(held)), -wanted[:, None]])
-    found = linprog(
+    found = scipy.optimize.linprog(
         np.r_[np.zeros(rows.shape[1]), -1.0],
         A_ub=np.hstack([rows, np.zeros((len(rows), 1))]),
         b_ub=most,
@@ -101,14 +100,14 @@ def _least(basis: Floats, wanted: Floats, held: Floats, room: Floats) -> Floats:
     if count == 1:
         return np.asarray(mean - along)
     # Changes that keep the sum; totals of least square are the mean and the least change of it.
-    free = np.kron(null_space(np.ones((1, count))), np.eye(size))
+    free = np.kron(scipy.linalg.null_space(np.ones((1, count))), np.eye(size))
     least, short = -rows @ free, rows @ mean.ravel() - most
     if (short <= 0.0).all():
         return np.asarray(mean - along)
     goal = np.zeros(free.shape[1] + 1)
     goal[-1] = 1.0
     matrix = np.vstack([least.T, short])
-    weights, _ = nnls(matrix, goal, maxiter=30 * matrix.shape[1])
+    weights, _ = scipy.optimize.nnls(matrix, goal, maxiter=30 * matrix.shape[1])
     left = matrix @ weights - goal
     change = np.asarray(-left[:-1] / left[-1])
     return np.asarray((mean.ravel() + free @ change).reshape(count, size) - along)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from jaxatt.runtime.arrays import Floats
 from jaxatt.studies.design.evaluate import Evaluation, Evaluator
@@ -64,7 +64,7 @@ def descend(evaluator: Evaluator, begin: Evaluation, minimise_measure: bool = Fa
         "constraints": () if smooth else {"type": "ineq", "fun": room, "jac": room_slope},
     }
     before = len(evaluator.tried)
-    found = minimize(
+    found = scipy.optimize.minimize(
         **problem, method="SLSQP", options={"ftol": _PRECISION, "maxiter": _MOST_PASSES}
     )
     evaluator(found.x[:size])
