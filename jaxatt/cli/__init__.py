@@ -7,12 +7,17 @@ another process of the same computation is lost, 130 when interrupted.
 
 from __future__ import annotations
 
+import gc
 import warnings
 from typing import Any
 
 import typer
 
 from jaxatt.cli.commands import Commands
+
+_GARBAGE = (100_000, 50, 100)
+"""Thresholds of the garbage collector. Programs and figures are made of many small objects that
+live on; looking through all of them again and again costs a tenth of a command's time."""
 
 app = typer.Typer(
     name="jaxatt",
@@ -31,6 +36,7 @@ def jaxatt() -> None:
 def main() -> None:
     """Entry point of the `jaxatt` command."""
     warnings.formatwarning = _one_line
+    gc.set_threshold(*_GARBAGE)
     app()
 
 
