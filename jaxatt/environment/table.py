@@ -17,9 +17,12 @@ from jaxatt.environment import frames
 from jaxatt.environment.motion import Motion
 from jaxatt.environment.sinusoidal import sinusoidal_torque
 from jaxatt.runtime.compilation import Routine
+from jaxatt.runtime.lengths import held_on, rounded_up
 from jaxatt.runtime.settings import RUNS_ONCE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
+_SHARED = 1024
+"""Numbers of times that share a program are multiples of this."""
 
 
 class Environment(NamedTuple):
@@ -44,7 +47,7 @@ class EnvironmentTable:
 
     stages : Environment with leading axes (N, S, 4), the four stage times of every substep.
     nodes : Environment with leading axis (N + 1,).
-    substep : () [s].
+    substep : () [s]; or (N,) in a programme for several lengths, zero in what fills it up.
     """
 
     stages: Environment
@@ -89,6 +92,13 @@ def environment_at(surroundings: Surroundings, time: Array) -> Environment:
 _on_grid = Routine(environment_at, options=RUNS_ONCE)
 
 
+def _values(surroundings: Surroundings, time: np.ndarray) -> Any:
+    """Environment at times (T,) [s] on the host, by a program that other numbers of times share."""
+    more = rounded_up(len(time), _SHARED) - len(time)
+    found = _on_grid(surroundings, held_on(time, more))
+    return jax.tree.map(lambda leaf: np.asarray(leaf)[: len(time)], found)
+
+
 def _without_jumps(q: np.ndarray) -> np.ndarray:
     """Quaternions (n, 4) along a motion, with signs chosen so that they are continuous."""
     same = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
@@ -105,7 +115,7 @@ def tabulate(
     half = step / (2 * substeps)
     substep: Any = np.asarray(2 * half)
     grid = start + half * np.arange(2 * substeps * intervals + 1)
-    values = jax.tree.map(np.asarray, _on_grid(surroundings, grid))
+    values = _values(surroundings, grid)
     values = values._replace(orbit_attitude=_without_jumps(values.orbit_attitude))
     first = 2 * np.arange(intervals * substeps).reshape(intervals, substeps)
     stages = first[..., None] + np.asarray(_STAGE_OFFSETS)

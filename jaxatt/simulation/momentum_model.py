@@ -203,12 +203,15 @@ def rollout(
     where it is disturbed, the total momentum.  The quaternion is normalised after every step.
     """
 
-    def interval(carry: Components, inputs: tuple[Array, Environment]) -> tuple[Components, Array]:
-        row, along = inputs
+    def interval(
+        carry: Components, inputs: tuple[Array, Environment, Array]
+    ) -> tuple[Components, Array]:
+        row, along, h = inputs
         tau = (row[0], row[1], row[2])
-        end = step(carry, momentum, tau, along, table.substep, body, disturbed)
+        end = step(carry, momentum, tau, along, h, body, disturbed)
         return end, jnp.stack(end)
 
     first = state + momentum if disturbed else state
-    end, nodes = lax.scan(interval, first, (torque, with_down(table.stages)))
+    h = jnp.broadcast_to(table.substep, torque.shape[:1])
+    end, nodes = lax.scan(interval, first, (torque, with_down(table.stages), h))
     return end, nodes

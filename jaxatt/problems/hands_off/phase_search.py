@@ -41,12 +41,14 @@ def search_phase(
 
     def attempt(final_time: float) -> tuple[SparseTask, Found]:
         task = build(scenario, enforce_speed_limits=False, final_time=final_time)
+        task = task.sharing_programs()
         start = _guess(scenario, build, task, guess)
         limited = search_within_limits(task, count, seed, start, inner, report)
         return limited.task, limited.found
 
     def rebuild(task: SparseTask, final_time: float) -> SparseTask:
         again = build(scenario, enforce_speed_limits=False, final_time=final_time)
+        again = again.sharing_programs()
         if isinstance(task, SlewTask) and isinstance(again, SlewTask):
             return again.enforcing(
                 task.constraint_margin, task.form.speed_limited, task.speed_margin

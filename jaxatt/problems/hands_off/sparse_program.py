@@ -68,6 +68,8 @@ class SparseSystem:
     turned : (plant, sign) -> plant, aimed at the target the short (1) or the long (-1) way round.
     aimed : (plant, target) -> plant, aimed at another target, where starts have their own.
     stretched : (plant, ratio) -> plant, with intervals `ratio` times as long.
+    lengthened : (plant, more) -> plant, filled up with so many intervals in which nothing happens,
+        so that tasks of several lengths share a program; None where that is not supported.
     response : (u, plant) -> (m,) and (N, m, b), the errors that `rows` measures, in any smooth
         measure that vanishes where they do, and their derivatives; None where path constraints
         rule out a search that does not know them.
@@ -92,6 +94,7 @@ class SparseSystem:
     stretched: Callable[[Any, Array], Any] = lambda plant, ratio: replace(
         plant, step=plant.step * ratio
     )
+    lengthened: Callable[[Any, int], Any] | None = None
     aimed: Callable[[Any, Array], Any] = lambda plant, target: plant
     response: Callable[[Array, Any], tuple[Array, Array]] | None = None
     equations: Callable[[Array, Array, Array, Array, Any], Equations] | None = None

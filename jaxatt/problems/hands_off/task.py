@@ -93,6 +93,9 @@ class SparseTask(ABC):
     threshold: float
     """Scaled controls at or below this count as zero (Schaanning 2021, definition 5.1.1)."""
 
+    shares_programs: bool = False
+    """Whether programs serve tasks of other numbers of intervals, too, where that is supported."""
+
     substeps: int = 1
     """Runge-Kutta steps an interval of the search."""
     needed_substeps: int = 1
@@ -160,6 +163,15 @@ class SparseTask(ABC):
         other.goal = replace(self.goal, terminal="reach")
         other.arguments = replace(self.arguments, row_weight=jnp.full(self.rows, jnp.inf))
         other.sparsity_weight = other.effort_weight = 1.0
+        return other
+
+    def sharing_programs(self) -> Self:
+        """The same task by programs that tasks of other numbers of intervals share.
+
+        For one solve or a few: filling up costs less than compiling, but costs every start.
+        """
+        other = copy.copy(self)
+        other.shares_programs = True
         return other
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Self:

@@ -9,8 +9,8 @@ import jaxatt
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power.answers import flown_again, phase_manoeuvre
 from jaxatt.problems.net_power.record import net_power
-from jaxatt.problems.net_power.wheels.lengths import shared_length
 from jaxatt.problems.net_power.wheels.search import search_wheels
+from jaxatt.runtime.lengths import shared_length
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from jaxatt.problems.hands_off.search.polish import (
     reweighting,
     spending,
 )
+from jaxatt.problems.hands_off.search.shared_lengths import lengthened, lengthening
 from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.chunks import cores
 
@@ -38,6 +39,7 @@ def compiled_ahead(task: SparseTask, method: Method) -> Iterator[None]:
                 (spending(task, method), effort_arguments(task)),
             ):
                 form = Form(task.system, task.shared, kind, task.size)
-                begin_compiling(pool, solver, form, lanes, needed, method.rows)
+                longer = lengthened(task.system, lanes, needed, lengthening(task, kind))
+                begin_compiling(pool, solver, form, *longer, method.rows)
         task.begin_verifying(pool)
         yield

@@ -28,6 +28,11 @@ from jaxatt.problems.hands_off.search.batch import Form, Lanes, broadcast_lanes
 from jaxatt.problems.hands_off.search.bounded_batch import DECIDE, DECIDE_SLOWLY, polish_bounded
 from jaxatt.problems.hands_off.search.bounded_batch import SETTLE as SETTLE_BETWEEN
 from jaxatt.problems.hands_off.search.candidates import Candidates, evaluate, join
+from jaxatt.problems.hands_off.search.shared_lengths import (
+    lengthened,
+    lengthening,
+    shortened,
+)
 from jaxatt.problems.hands_off.search.starts import Starts
 from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseArguments
 from jaxatt.problems.hands_off.task import SparseTask
@@ -96,8 +101,10 @@ class Method:
     ) -> Any:
         """Run a solver from all lanes; kind : of the programme, see `Form`."""
         form = Form(task.system, task.shared, kind, task.size)
-        lanes = lanes._replace(aim=task.aims)
-        return run_starts(solver, form, lanes, arguments, rows=self.rows, progress=self.progress)
+        more = lengthening(task, kind)
+        lanes, arguments = lengthened(task.system, lanes._replace(aim=task.aims), arguments, more)
+        found = run_starts(solver, form, lanes, arguments, rows=self.rows, progress=self.progress)
+        return shortened(found, task.intervals) if more else found
 
     def lagrangian(self, schedule: Schedule) -> AugmentedLagrangian:
         """The augmented Lagrangian without stages, with the inner minimiser of this method."""

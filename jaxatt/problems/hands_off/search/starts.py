@@ -12,10 +12,12 @@ from jax import Array
 
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.compilation import Routine
+from jaxatt.runtime.lengths import rounded_up
 
 _AMPLITUDE = 0.003
 _SPREAD = 1.5
 _RELATIVE_NOISE = 0.3
+_SHARED = 256
 
 
 class Starts(NamedTuple):
@@ -55,8 +57,9 @@ def draw(
     guess itself.
     """
     per_start = intervals * (size + 1) + 2
-    normals = np.asarray(_normals(count, per_start, seed))
-    pulses = normals[:, 2:].reshape(count, intervals, size + 1)
+    # Longer rows begin alike, so that other numbers of intervals share the program.
+    normals = np.asarray(_normals(count, rounded_up(per_start, _SHARED), seed))
+    pulses = normals[:, 2:per_start].reshape(count, intervals, size + 1)
     direction, height = pulses[..., :size], np.exp(_SPREAD * pulses[..., size:])
     if guess is None:
         u = _AMPLITUDE * direction * height

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
@@ -17,6 +17,7 @@ from jaxatt.problems.pointing.watch import PathMonitor
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import CHUNK, in_chunks, rows_of_flights
 from jaxatt.runtime.compilation import Routine
+from jaxatt.runtime.lengths import held_on, rounded_up
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
 from jaxatt.simulation.flight_error import fly_in_pieces
 from jaxatt.simulation.pulse_flight import fly_pulses
@@ -24,6 +25,8 @@ from jaxatt.simulation.pulses import Pulses, split
 from jaxatt.spacecraft.dynamics import AttitudeState
 from jaxatt.spacecraft.vehicle import Spacecraft
 
+_APART = 16
+"""Intervals that lie between the lengths of flights that share a program."""
 _COARSE_PIECES = 4
 """Runge-Kutta steps an interval, at least, while pulse widths are being found."""
 
@@ -44,6 +47,7 @@ class SlewFlights:
 
     start : state at the first node.  grid : intervals and the coast after them.
     monitor : its table has the steps that flights take.  search_steps : those of the search.
+    shared : whether flights coast on until they are as long as those that share their program.
     """
 
     craft: Spacecraft
@@ -52,6 +56,7 @@ class SlewFlights:
     grid: Grid
     monitor: PathMonitor
     search_steps: int
+    shared: bool = False
 
     @property
     def steps(self) -> int:
@@ -85,7 +90,9 @@ class SlewFlights:
         count = (self.grid.intervals + self.grid.coast) * (self.steps if watched else 1)
         for rows in (CHUNK, 1):
             torque = np.zeros((rows, count, self.craft.actuators))
-            _fly_many.begin(pool, self.craft, self.start, torque, self._table(watched))
+            _fly_many.begin(
+                pool, self.craft, self.start, *self._longer(torque, self._table(watched))
+            )
 
     def pulses(
         self, pulses: Pulses, watched: bool, coarse: bool = False, times: int = 1
@@ -118,14 +125,26 @@ class SlewFlights:
         return at_nodes(flown, self.steps) if watched else flown
 
     def _fly(self, start: AttitudeState, torque: Floats, table: EnvironmentTable) -> Trajectory:
-        craft = self.craft
+        craft, count = self.craft, torque.shape[1]
+        longer, table = self._longer(torque, table)
         flown: Trajectory = in_chunks(
             lambda chunk: _fly_many(craft, start, chunk, table),
-            torque,
+            longer,
             rows_of_flights(len(torque)),
-            key=("fly", torque.shape[1:], table.stages.gradient.shape),
+            key=("fly", longer.shape[1:], table.stages.gradient.shape),
         )
-        return flown
+        more = longer.shape[1] - count
+        return jax.tree.map(lambda leaf: leaf[:, : leaf.shape[1] - more], flown) if more else flown
+
+    def _longer(self, torque: Floats, table: EnvironmentTable) -> tuple[Floats, EnvironmentTable]:
+        """Torques and environment of a flight as long as those that share its program."""
+        if not self.shared:
+            return torque, table
+        nodes = self.grid.intervals + self.grid.coast
+        more = (rounded_up(nodes, _APART) - nodes) * (torque.shape[1] // nodes)
+        return np.pad(torque, ((0, 0), (0, more), (0, 0))), replace(
+            table, stages=held_on(table.stages, more), nodes=held_on(table.nodes, more)
+        )
 
     def _table(self, watched: bool) -> EnvironmentTable:
         return self.monitor.fine if watched else self.monitor.table

@@ -37,7 +37,7 @@ class SlewParameters:
     to_external : (3, b) [N m], body torque of thrusters of a unit of the scaled controls.
     to_wheels : (n, b), wheel torques in units of their limits.
     lower, upper : (b,), limits of the scaled controls; infinite where they have none of their own.
-    step : () [s], length of an interval.
+    step : () [s], length of an interval; or (N,), zero in what fills a programme up.
     wheel_speed : (n,) [rad/s] at the first node; wheel_axes : (3, n); wheel_inertia : (n,);
     wheel_torque : (n, b) [N m], wheel torques of a unit of the controls;
     speed_lower, speed_upper : (n,) [rad/s], range of the wheel speeds.

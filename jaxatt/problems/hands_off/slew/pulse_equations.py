@@ -98,13 +98,13 @@ def _sweep(
     u: Array, weights: Array, moved: Array, impulse: Array, p: SlewParameters, form: SlewForm
 ) -> _Sums:
     count, size = u.shape
-    h, blocks = p.step, 1 + form.has_waypoint
+    blocks = 1 + form.has_waypoint
     rows = 3 + 3 * blocks
     momentum = tuple(p.momentum[i] for i in range(3))
 
     def interval(carry: Any, inputs: Any) -> tuple[Any, Array]:
         state, begin, passed, reached, moments = carry
-        control, weight, part, counts = inputs
+        control, weight, part, counts, h = inputs
         state = turn(state, momentum, _changes(impulse, control), h, p.body.inverse_inertia)
         end = _rotation(state[:4])
         # Of an interval's impulse the rate has what is left of it: at once none, at its end all.
@@ -133,8 +133,9 @@ def _sweep(
     start = tuple(p.start[i] for i in range(7))
     nothing = ((zero,) * 3,) * (3 * blocks), (zero,) * rows, (zero,) * (rows * (rows + 1) // 2)
     counts = (jnp.arange(count) < p.waypoint_node).astype(u.dtype)
+    lengths = jnp.broadcast_to(p.step, (count,))
     (state, _, total, reached, moments), history = lax.scan(
-        interval, (start, _rotation(start[:4]), *nothing), (u, weights, moved, counts)
+        interval, (start, _rotation(start[:4]), *nothing), (u, weights, moved, counts, lengths)
     )
     whole = [_stacked(total[3 * block : 3 * block + 3]) for block in range(blocks)]
     return _Sums(state, whole, reached, moments, history)
@@ -175,7 +176,8 @@ def pulse_equations(
     weights, moved : (N, b).  accurate : () bool, whether the rows must be exact; otherwise those
     of `turn_model` will do, where no external torque acts.
     """
-    impulse = -p.step * p.body.inverse_inertia @ p.to_body
+    step = jnp.broadcast_to(p.step, u.shape[:1])[0]  # what fills a programme up has no torque
+    impulse = -step * p.body.inverse_inertia @ p.to_body
     sums = _sweep(u, weights, moved, impulse, p, form)
     whole, history = sums.whole, sums.history
 

@@ -74,23 +74,22 @@ def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, A
     states = jnp.concatenate([first[None], nodes[:-1]])
     size = states.shape[1]
 
-    def interval(x: Array, torque: Array, along: Environment) -> Array:
+    def interval(x: Array, torque: Array, along: Environment, h: Array) -> Array:
         state, tau = tuple(x[i] for i in range(size)), tuple(torque[i] for i in range(3))
         return jnp.stack(
-            momentum_model.step(
-                state, momentum, tau, along, p.table.substep, p.body, form.disturbed
-            )
+            momentum_model.step(state, momentum, tau, along, h, p.body, form.disturbed)
         )
 
-    def differentiated(x: Array, torque: Array, along: Environment) -> Array:
+    def differentiated(x: Array, torque: Array, along: Environment, h: Array) -> Array:
         def slope(way: Array) -> Array:
             tangents = way[:size], way[size:]
-            return jax.jvp(lambda y, tau: interval(y, tau, along), (x, torque), tangents)[1]
+            return jax.jvp(lambda y, tau: interval(y, tau, along, h), (x, torque), tangents)[1]
 
         return jax.vmap(slope, in_axes=1, out_axes=1)(jnp.eye(size + 3, dtype=u.dtype))
 
     stages = momentum_model.with_down(p.table.stages)
-    slopes = jax.vmap(differentiated)(states, body_torque(u, p), stages)
+    h = jnp.broadcast_to(p.table.substep, u.shape[:1])
+    slopes = jax.vmap(differentiated)(states, body_torque(u, p), stages, h)
 
     rows, last = end_rows(jnp.stack(end), p), jax.jacfwd(end_rows)(jnp.stack(end), p)
     passing, injected = jnp.zeros((0, size), u.dtype), jnp.zeros(len(states), u.dtype)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import functools
 from dataclasses import replace
+from typing import Any
 
+import numpy as np
 from jax import Array
 
+from jaxatt.environment.table import EnvironmentTable
 from jaxatt.optimize.equations import Equations
 from jaxatt.problems.hands_off.slew.model import (
     SlewForm,
@@ -22,6 +25,7 @@ from jaxatt.problems.hands_off.slew.stages import slew_stages
 from jaxatt.problems.hands_off.slew.thruster_path import path_response, thruster_margins
 from jaxatt.problems.hands_off.slew.thruster_response import thruster_response, thruster_rows
 from jaxatt.problems.hands_off.sparse_program import DecidedBy, SparseSystem
+from jaxatt.runtime.lengths import held_on
 
 
 def _equations(
@@ -33,6 +37,18 @@ def _equations(
 def _stretched(p: SlewParameters, ratio: Array) -> SlewParameters:
     table = replace(p.table, substep=p.table.substep * ratio)
     return replace(p, step=p.step * ratio, table=table)
+
+
+def _lengthened(p: SlewParameters, more: int) -> SlewParameters:
+    """Fill a slew up with intervals that take no time."""
+    intervals = p.table.stages.gradient.shape[0]
+
+    def along(length: Array) -> Any:
+        return np.pad(np.full(intervals, float(length)), (0, more))
+
+    stages, nodes = held_on(p.table.stages, more), held_on(p.table.nodes, more)
+    table = EnvironmentTable(stages, nodes, along(p.table.substep))
+    return replace(p, step=along(p.step), table=table)
 
 
 @functools.cache
@@ -59,6 +75,7 @@ def slew_system(form: SlewForm) -> SparseSystem:
         turned=lambda p, sign: replace(p, reference=p.reference * sign),
         aimed=lambda p, target: replace(p, reference=target),
         stretched=_stretched,
+        lengthened=None if form.path_limited else _lengthened,
         response=None if form.path_limited else lambda u, p: slew_response(u, p, form),
         equations=functools.partial(_equations, form) if by_pulses else None,
         limits=lambda p: p.to_wheels,

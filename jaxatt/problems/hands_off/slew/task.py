@@ -235,6 +235,12 @@ class SlewTask(SparseTask):
         """See `SparseTask.pick`."""
         return self if self.aims is None else self.aiming_at(np.asarray(self.target.q_ob)[rows])
 
+    def sharing_programs(self) -> SlewTask:
+        """See `SparseTask.sharing_programs`."""
+        other = super().sharing_programs()
+        other.flights = replace(self.flights, shared=True)
+        return other
+
     def ignoring_path_limits(self) -> SlewTask:
         """The same slew without path constraints, not even in the verdict."""
         other = self.enforcing(None, False)

@@ -11,7 +11,6 @@ from jaxatt.optimize.status import Status
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.batch import settings_for
-from jaxatt.problems.net_power.wheels.lengths import shared_length
 from jaxatt.problems.net_power.wheels.longer import averaged, longer_intervals
 from jaxatt.problems.net_power.wheels.rolled_out import rolled_out
 from jaxatt.problems.net_power.wheels.solve import in_steps, solve_in_fine_steps, solve_wheels
@@ -19,6 +18,7 @@ from jaxatt.problems.net_power.wheels.starts import Starts, draw_all, filled
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
 from jaxatt.runtime.arrays import Counts
 from jaxatt.runtime.chunks import Report
+from jaxatt.runtime.lengths import shared_length
 
 _LONG, _FIRST = 512, 256
 """Intervals from which a manoeuvre is searched on longer ones first, and how many of these."""
