@@ -21,7 +21,7 @@ from jaxatt.runtime.lengths import held_on, rounded_up
 from jaxatt.runtime.settings import RUNS_ONCE
 
 _STAGE_OFFSETS = (0, 1, 1, 2)  # in half steps
-_SHARED = 1024
+_SHARED = 4096
 """Numbers of times that share a program are multiples of this."""
 
 

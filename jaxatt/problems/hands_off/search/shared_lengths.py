@@ -20,13 +20,15 @@ from jaxatt.runtime.lengths import held_on, shared_length
 
 _KINDS = ("roots", "effort")
 """Programmes that can be filled up; see `Form`."""
+_LONG = 64
+"""Intervals beyond which lengths are closer together; see `shared_length`."""
 
 
 def lengthening(task: SparseTask, kind: str) -> int:
     """Intervals by which a task's programme of a kind is filled up."""
     if not task.shares_programs or task.system.lengthened is None or kind not in _KINDS:
         return 0
-    return shared_length(task.intervals) - task.intervals
+    return shared_length(task.intervals, _LONG) - task.intervals
 
 
 def lengthened(
