@@ -31,6 +31,7 @@ CASES = {
 }
 """Slews are disturbed, and wheels store momentum where time counts."""
 LONG = ("printed cost", "net power")
+SLOW = (*LONG, "moving-l0", "l1", "time and effort")
 GIVEN = {
     "disturbances.sinusoidal_torque_Nm": 1,
     "objective.epsilon_Nm": 1,
@@ -66,7 +67,7 @@ def multiplied(scenario, factor):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CASES]
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in CASES]
 )
 def test_the_same_motion_with_torques_in_proportion_and_nothing_compiled_again(name, compilations):
     """From 1e-6 to 1e6 times a vehicle, whatever the objective."""

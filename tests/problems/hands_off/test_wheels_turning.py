@@ -23,7 +23,7 @@ def test_steps_of_the_search_follow_from_what_turns():
 
 
 def test_a_wheel_that_turns_is_no_obstacle():
-    phase = solve(case(100.0), starts=8).phases[0]
+    phase = solve(case(100.0, **{"horizon.intervals": 20, "windows": None}), starts=4).phases[0]
     assert phase.reached, phase.failure_reason
     assert np.count_nonzero(phase.active) <= 5
-    assert phase.starts.reached.sum() >= 4
+    assert phase.starts.reached.sum() >= 2
