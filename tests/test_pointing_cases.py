@@ -18,7 +18,7 @@ SHORT = {
     "horizon.intervals": 25,
     "horizon.coast_intervals": 2,
     "windows": None,
-    "solver.starts": 8,
+    "solver.starts": 4,
 }
 
 
@@ -81,10 +81,9 @@ def keep_out(name, boresight, direction, half_angle):
     }
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-def test_slews_go_round_random_cones(seed):
+def test_slews_go_round_random_cones():
     _, _, crossing = unconstrained()
-    cone = random_cone(np.random.default_rng(seed), crossing)
+    cone = random_cone(np.random.default_rng(1), crossing)
     assert reflight.cone_angle(crossing, *cone[:2]).min() < cone[2]
     scenario = short(keep_out=[keep_out("camera", *cone), *OUT_OF_THE_WAY])
     result = jaxatt.solve(scenario)

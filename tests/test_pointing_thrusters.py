@@ -38,7 +38,7 @@ def fly(scenario, thrust, step):
 
 def test_thrusters_turn_past_sun_and_moon():
     scenario = scenarios.replace(
-        scenarios.load("eseo-1-keep-out"), {"solver.starts": 8, "horizon.coast_intervals": 2}
+        scenarios.load("eseo-1-keep-out"), {"solver.starts": 4, "horizon.coast_intervals": 2}
     )
     result = jaxatt.solve(scenario)
     phase = result.phases[0]

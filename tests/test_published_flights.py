@@ -34,6 +34,7 @@ def test_large_slew_gives_table_one_but_its_settling_times(tmp_path):
     assert {line["figure"] for line in saved["lines"]} >= {"peak_Nm", "integral_Nms", "settling_s"}
 
 
+@pytest.mark.slow
 def test_rest_to_rest_settles_as_printed_and_the_benchmark_does_not():
     flight = load_flight("microsatellite-rest-to-rest")
     two = {"laws.min-norm": None, "laws.min-norm-low": None}
@@ -48,8 +49,9 @@ def test_rest_to_rest_settles_as_printed_and_the_benchmark_does_not():
     ("law", "printed"),
     [
         ("pd", (21.0, 20.0, 18.4)),
-        ("gsta", (15.9, 15.7, 15.2)),
-        ("smc", (29.1, 27.2, 25.8)),
+        # The others are held by the notebook of feedback laws.
+        pytest.param("gsta", (15.9, 15.7, 15.2), marks=pytest.mark.slow),
+        pytest.param("smc", (29.1, 27.2, 25.8), marks=pytest.mark.slow),
     ],
 )
 def test_pointing_settles_as_printed(law, printed):
@@ -59,6 +61,7 @@ def test_pointing_settles_as_printed(law, printed):
     np.testing.assert_allclose(settling, printed, rtol=0.05)
 
 
+@pytest.mark.slow
 def test_slewing_settles_as_printed_where_the_attitude_is_free():
     flight = replace_in_flight(load_flight("hypso1-slewing"), {"simulation.duration_s": 80.0})
     figures = simulate(flight, "gsta").flown.figures

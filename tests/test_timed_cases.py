@@ -1,7 +1,8 @@
 """Turns in minimum time beside printed values and beside CasADi with IPOPT.
 
 The figures of IPOPT are those of `python -m benchmarks.casadi_reorientation CASE`, with --rk4 and
---rho as the key says; it writes the problem down a second time, from the source.
+--rho as the key says; it writes the problem down a second time, from the source. More of
+them are in the test of the notebook of time and effort.
 """
 
 import functools
@@ -18,22 +19,18 @@ IPOPT = {
     ("mrp-k3", 0.01): 28.671300,
     ("mrp-k4", 0.01): 24.212464,
     ("mrp-k5", 0.01): 21.440553,
-    ("mrp-k3-rk4", 0.01): 28.652703,
     ("mrp-k4-rk4", 0.01): 24.194868,
-    ("mrp-k5-rk4", 0.01): 21.420208,
     ("mrp-k3-2.5rad", 0.01): 37.440248,
     ("mrp-k4-2.5rad", 0.01): 31.543771,
     ("mrp-k5-2.5rad", 0.01): 28.099884,
-    ("mrp-k4-rk4", 0.1): 24.560578,
     ("mrp-k4-rk4", 10.0): 49.459783,
-    ("mrp-k5-rk4", 10.0): 46.673247,
 }
 """(scenario, rho) -> final time [s]."""
-FAST = [("mrp-k4", 0.01), ("mrp-k4-rk4", 0.01), ("mrp-k4-2.5rad", 0.01), ("mrp-k4-rk4", 10.0)]
+FAST = [("mrp-k4", 0.01), ("mrp-k4-rk4", 0.01), ("mrp-k4-rk4", 10.0)]
 
 
 @functools.cache
-def solved(name, rho=0.01, starts=8):
+def solved(name, rho=0.01, starts=4):
     case = scenarios.load(name)
     return jaxatt.solve(scenarios.replace(case, {"objective.effort_weight": rho}), starts=starts)
 
@@ -77,8 +74,9 @@ def test_without_saturation_the_effort_is_cheap_and_there_are_no_switches():
     assert all(times.size == 0 for times in phase.section.switch_times)
 
 
+@pytest.mark.slow
 def test_the_half_turn_beats_the_turn_about_its_axis():
-    result = jaxatt.solve("minimum-time-180", starts=16)
+    result = jaxatt.solve("minimum-time-180", starts=8)
     phase, printed = result.phases[0], result.scenario.printed["minimum-time"]
     assert result.reached
     assert phase.final_time <= printed["final_time_s"] + 5e-4
@@ -86,6 +84,7 @@ def test_the_half_turn_beats_the_turn_about_its_axis():
     assert max(times.size for times in phase.section.switch_times) > 0
 
 
+@pytest.mark.slow
 def test_quaternions_and_mrp_are_the_same_turn():
     case = scenarios.load("mrp-k4-rk4")
     other = scenarios.replace(case, {"transcription.attitude": "mrp"})
@@ -104,4 +103,4 @@ def test_a_turn_to_where_one_is_takes_no_time():
 def test_the_summary_is_json(tmp_path):
     found = json.loads(json.dumps(solved("mrp-k4").summary()))
     assert found["final_time_s"] == pytest.approx(24.2125, abs=1e-3)
-    assert found["starts"]["requested"] == 8
+    assert found["starts"]["requested"] == 4

@@ -130,6 +130,7 @@ def test_a_false_answer_is_noticed(quick):
             check(program, counts, lie)
 
 
+@pytest.mark.slow
 def test_other_starts_find_the_better_minimum():
     check_all(Switchboard(named(NEEDS_STARTS)), starts=8)
 

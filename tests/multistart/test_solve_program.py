@@ -19,7 +19,12 @@ def published(name):
     return problem, jaxatt.solve_program(problem.program, problem.parameters)
 
 
-@pytest.mark.parametrize("name", PUBLISHED)
+SOLVED = [
+    pytest.param(name, marks=[pytest.mark.slow] * (name == "rigid body")) for name in PUBLISHED
+]
+
+
+@pytest.mark.parametrize("name", SOLVED)
 def test_published_answers_from_sixteen_random_starts(name):
     problem, found = published(name)
     assert found.status is Status.CONVERGED
@@ -33,7 +38,7 @@ def test_published_answers_from_sixteen_random_starts(name):
     assert found.status.name in repr(found) and "minima" in repr(found)
 
 
-@pytest.mark.parametrize("name", PUBLISHED)
+@pytest.mark.parametrize("name", SOLVED)
 def test_converged_starts_are_flown_feasible_and_within_their_limits(name):
     """Put together again from the answer alone, by the programme's own dynamics."""
     problem, found = published(name)
@@ -119,6 +124,7 @@ def test_path_equality_terminal_cost_and_free_parameter_against_their_closed_for
     assert found.multipliers.terminal_inequality == pytest.approx([0.0, 2.0], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_singular_arc_between_bounds_of_states_from_every_start():
     """The rocket of Goddard, COPS 3.0: a height of 1.01283 with 0.6 of the mass left."""
     exhaust = 0.5

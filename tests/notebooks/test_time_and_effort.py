@@ -21,6 +21,16 @@ print(json.dumps({
 }))
 """
 
+IPOPT = {
+    (3, 0.01): 28.652703,
+    (4, 0.01): 24.194868,
+    (5, 0.01): 21.420208,
+    (4, 0.1): 24.560578,
+    (4, 10.0): 49.459783,
+    (5, 10.0): 46.673247,
+}
+"""(wheels, rho) -> final time [s], by `python -m benchmarks.casadi_reorientation`."""
+
 
 @pytest.fixture(scope="module")
 def notebook(tmp_path_factory: pytest.TempPathFactory) -> Any:
@@ -58,6 +68,12 @@ def test_time_falls_with_the_wheels_and_effort_rises_where_time_matters(numbers:
         along = [found[k, rho]["control_effort"] for rho in sorted({rho for _, rho in found})]
         # Three wheels spend the same for 0.001 and 0.01, to the solver's tolerance.
         assert all(after <= before + 1e-4 for before, after in itertools.pairwise(along)), k
+
+
+def test_final_times_are_those_of_ipopt(numbers: Any) -> None:
+    found = {(k, rho): summary["final_time_s"] for k, rho, summary in numbers["swept"]}
+    for case, time in IPOPT.items():
+        assert found[case] == pytest.approx(time, abs=2e-5), case
 
 
 def test_torques_saturate_where_time_matters_and_not_where_effort_does(numbers: Any) -> None:

@@ -142,20 +142,20 @@ def test_a_start_that_is_not_a_number_leaves_the_others_as_they_are():
         np.testing.assert_array_equal(np.asarray(clean.u)[lane], np.asarray(spoilt.u)[lane])
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_converged_is_true_of_the_point_returned(seed):
+def test_converged_is_true_of_the_point_returned():
     """The conditions for a minimum, put together again from the programme's own derivatives."""
     program = double_integrator()
-    args = arguments(np.random.default_rng(10 + seed), 4, fuel=0.3)
+    args = arguments(np.random.default_rng(10), 4, fuel=0.3)
     found = solved(program, jnp.zeros((4, INTERVALS, 1)), args)
     assert (found.status == Status.CONVERGED).all()
+    derivatives = jax.jit(functools.partial(linearisation, program))
     for lane in range(4):
         own = tuple(a[lane] for a in args)
         x, u = found.x[lane], found.u[lane]
         costate = np.array([*np.asarray(found.rows)[lane], 0.0])
         worst = 0.0
         for k in range(INTERVALS - 1, -1, -1):
-            at = linearisation(program, x[k], u[k], x[k + 1], jnp.zeros(()), own)
+            at = derivatives(x[k], u[k], x[k + 1], jnp.zeros(()), own)
             assert np.abs(np.asarray(at.gap)).max() < 1e-7
             gradient = np.asarray(at.cost) + np.asarray(at.dynamics).T @ costate
             dual = np.asarray(found.dual.upper)[lane, k] - np.asarray(found.dual.lower)[lane, k]

@@ -83,6 +83,7 @@ def test_files_can_be_read_again(certificate, tmp_path):
     assert best.interval.values.tolist() == [0, 49]
 
 
+@pytest.mark.slow
 def test_moving_hands_off_is_measured_by_weight(moving):
     (phase,) = moving.phases
     assert moving.minimal

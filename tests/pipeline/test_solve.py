@@ -149,7 +149,7 @@ def solve_and_refly_loosely(scenario):
 
 @pytest.mark.parametrize(
     ("target", "rate"),
-    [(-170.0, 2.7), (-110.0, 3.5)],
+    [(-170.0, 2.7), pytest.param(-110.0, 3.5, marks=pytest.mark.slow)],
 )
 def test_momentum_that_makes_the_long_way_cheaper_is_used(target, rate):
     # The body already turns about x, away from its target but on round to it: coasting all the
@@ -215,6 +215,7 @@ def test_forbidden_windows_stay_empty():
     assert not result.phases[0].controls[:10].any() and not result.phases[0].controls[40:].any()
 
 
+@pytest.mark.slow
 def test_three_wheels_are_enough():
     result = solve_and_refly(
         changed(
@@ -229,6 +230,7 @@ def test_three_wheels_are_enough():
     assert result.phases[0].series["omega_bw"].shape == (71, 3)
 
 
+@pytest.mark.slow
 def test_spinning_wheels_and_a_turning_body():
     rng = np.random.default_rng(8)
     result = solve_and_refly(

@@ -257,16 +257,15 @@ def test_killed_twice_it_ends_with_the_same_store(whole: Path, tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_killed_at_ten_random_moments_it_ends_with_the_same_store(tmp_path: Path) -> None:
+def test_killed_at_random_moments_it_ends_with_the_same_store(tmp_path: Path) -> None:
     many = TOY.replace("count = 3", "count = 40").replace("chunk = 2", "chunk = 1")
     (tmp_path / "toy.toml").write_text(many)
     assert invoke("sweep", tmp_path / "toy.toml", "--out", tmp_path / "whole").exit_code == 3
     kills = sum(
-        killed(tmp_path / "toy.toml", tmp_path / "out", random.uniform(2.0, 12.0))
-        for _ in range(10)
+        killed(tmp_path / "toy.toml", tmp_path / "out", random.uniform(2.0, 12.0)) for _ in range(5)
     )
     kills_while_writing = len(list((tmp_path / "out/toy.zarr").rglob("*.partial")))
     print(f"{kills} kills, {kills_while_writing} files half-written at the last")
-    assert kills >= 5
+    assert kills >= 2
     assert invoke("sweep", tmp_path / "toy.toml", "--out", tmp_path / "out").exit_code == 3
     assert files(tmp_path / "out/toy.zarr") == files(tmp_path / "whole/toy.zarr")

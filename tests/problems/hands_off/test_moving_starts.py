@@ -1,6 +1,7 @@
 """Slews of bodies in motion: starts that brake a spin or let it coast, and what comes of them."""
 
 import numpy as np
+import pytest
 
 from jaxatt import scenarios
 from jaxatt.pipeline.solve import solve
@@ -78,6 +79,7 @@ def test_five_degrees_a_second_are_braked_with_few_intervals():
     assert phase.starts.reached.sum() >= 3
 
 
+@pytest.mark.slow
 def test_thirteen_degrees_a_second_are_braked_though_the_limit_binds():
     """0.0525 N m s about x at 0.007 N m: at least three intervals of 2.5 s for it to be gone."""
     phase = solve(case((0.15, -0.1, 0.125)), starts=8).phases[0]

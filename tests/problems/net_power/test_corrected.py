@@ -14,11 +14,11 @@ from jaxatt.problems.net_power.judge import judge_manoeuvre
 
 @pytest.fixture(scope="module")
 def found():
-    result = jaxatt.solve("hypso1-netpower", starts=8)
+    result = jaxatt.solve("hypso1-netpower", starts=2)
     return phase_manoeuvre(result.scenario, PhaseStart()), result.phases[0].controls
 
 
-@pytest.mark.parametrize("seed", [3, 4, 5])
+@pytest.mark.parametrize("seed", [3, 4])
 def test_a_disturbed_start_ends_where_it_is_asked_to(found, seed):
     manoeuvre, torque = found
     push = 3e-4 * np.random.default_rng(seed).normal(size=3)

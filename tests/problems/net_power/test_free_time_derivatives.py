@@ -7,6 +7,7 @@ from dataclasses import replace
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from jaxatt import scenarios
 from jaxatt.problems.family import PhaseStart
@@ -86,6 +87,7 @@ def test_derivatives_are_those_of_the_programme():
     assert fine[:, 3].max() < 1e-4
 
 
+@pytest.mark.slow
 def test_only_second_derivatives_of_small_torques_are_left_out():
     found = errors(task_with("energy", "reach", disturbed=True), 4)
     assert found[:, :3].max() < 1e-5

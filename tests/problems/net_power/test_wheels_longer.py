@@ -77,12 +77,13 @@ def test_a_start_from_torques_obeys_the_dynamics_and_the_margins(manoeuvre):
     np.testing.assert_allclose(starts.x, states, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_long_manoeuvre_earns_as_much_as_its_shorter_one(manoeuvre):
     long = replace(manoeuvre, intervals=8 * manoeuvre.intervals)
-    found = [flown_again(m, search_wheels([m], 8, 0)[0]) for m in (manoeuvre, long)]
+    found = [flown_again(m, search_wheels([m], 3, 0)[0]) for m in (manoeuvre, long)]
     energy = [f.flight.energy.net_J[f.best] for f in found]
     assert found[1].reached[found[1].best]
-    assert found[1].solved.torque.shape == (8, 640, 3)
+    assert found[1].solved.torque.shape == (3, 640, 3)
     # Torques held for a shorter time can do all that the others can.
     assert energy[1] > energy[0] - 0.01
     assert np.isfinite(found[1].solved.claimed).all()

@@ -35,7 +35,7 @@ def unit_body():
     """Turns of a body of unit inertia with torques of 1 N m, whose programme compiles once."""
 
     def fastest(direction):
-        return jaxatt.solve(pointed("minimum-time-180", Z, direction, 20), starts=6)
+        return jaxatt.solve(pointed("minimum-time-180", Z, direction, 20), starts=4)
 
     return fastest
 
@@ -58,11 +58,11 @@ def test_a_quarter_turn_of_the_axis_is_within_its_bounds(unit_body):
     np.testing.assert_allclose(result.phases[0].reference["q_ob"], end, atol=2e-4)
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_small_turn_takes_the_time_of_its_larger_part(unit_body, seed):
+@pytest.mark.slow
+def test_a_small_turn_takes_the_time_of_its_larger_part(unit_body):
     # To first order the two angles of the axis are double integrators of their own; a roll on the
     # way helps by a share of the angle.
-    small = np.random.default_rng(seed).uniform(0.002, 0.004, 2)
+    small = np.random.default_rng(0).uniform(0.002, 0.004, 2)
     direction = Rotation.from_rotvec([*small, 0.0]).apply(Z)
     time = time_of(unit_body(direction.tolist()))
     assert time == pytest.approx(2.0 * np.sqrt(small.max()), rel=2e-3)
@@ -81,12 +81,14 @@ IPOPT = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "axis"), list(IPOPT))
-@pytest.mark.parametrize("attitude", ["quaternion", "mrp"])
+@pytest.mark.parametrize(
+    ("name", "axis", "attitude"),
+    [*((*case, "quaternion") for case in IPOPT), (*next(iter(IPOPT)), "mrp")],
+)
 def test_the_least_time_is_that_of_ipopt(name, axis, attitude):
     unit = np.array(axis) / np.linalg.norm(axis)
     target = scenarios.load(name).targets[0].q_ob
     direction = Rotation.from_quat(target, scalar_first=True).apply(unit)
     changes = {"transcription": {"attitude": attitude, "integration": "rk4"}}
-    result = jaxatt.solve(pointed(name, unit, direction, 30, **changes), starts=8)
+    result = jaxatt.solve(pointed(name, unit, direction, 30, **changes), starts=4)
     assert time_of(result) == pytest.approx(IPOPT[name, axis], abs=3e-4)

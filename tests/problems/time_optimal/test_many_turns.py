@@ -10,7 +10,7 @@ from jaxatt.problems.registry import family_of
 from jaxatt.problems.time_optimal.phase import build_time_task
 from jaxatt.problems.time_optimal.search import search_free_time
 
-STARTS = 6
+STARTS = 4
 
 
 def turn(name, **changes):
@@ -34,7 +34,7 @@ def test_every_target_is_reached_in_the_time_of_its_own_solve(wheels):
     assert found.reached.all()
     assert found.numbers["kkt.stationarity"].max() < 1e-6
     assert found.numbers["kkt.violation"].max() < 1e-6
-    for k in (0, 1, 7):
+    for k in (0, 7):
         one = replace(scenario, targets=(replace(scenario.targets[0], q_ob=q[k]),))
         alone = search_free_time(build_time_task(one), STARTS, one.solver.seed)
         time = found.numbers["final_time_s"][k]

@@ -181,6 +181,7 @@ def test_each_date_is_the_plan_of_that_date(sequence):
     assert year.baseline[2] == pytest.approx(base, abs=0.05)
 
 
+@pytest.mark.slow
 def test_dates_that_fail_are_told_and_the_others_go_on_in_the_same_programme():
     scenario = scenarios.from_mapping(short_plan())
     days = scenario.orbit.days + np.array([-30.0, 10.0, 90.0])
@@ -246,6 +247,7 @@ def test_files_of_a_plan_are_one_motion(sequence, tmp_path):
     np.testing.assert_allclose(v, here.velocity, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_an_orbit_of_elements_goes_on_to_the_dates():
     """Days before and after the epoch of a TLE, with the attitudes of those days."""
     changes = {f"orbit.{key}": None for key in ELEMENTS}
