@@ -32,7 +32,7 @@ extensions = [
 ]
 nb_custom_formats = {".py": ["jupytext.reads", {"fmt": "py:percent"}]}
 nb_execution_mode = "off"
-exclude_patterns = ["docs/conf.py"]
+exclude_patterns = ["docs/*.py"]  # conf.py, and what makes parts of pages
 myst_heading_anchors = 4
 myst_enable_extensions = ["amsmath", "dollarmath"]
 
