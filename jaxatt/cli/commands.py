@@ -33,6 +33,10 @@ COMMANDS = {
         "jaxatt.cli.orbit:orbit",
         "Show an orbit: elements, ground track, eclipses, the sun above its plane, magnetic field.",
     ),
+    "check": (
+        "jaxatt.cli.check:check",
+        "Say all that is wrong with TOML files, or what they describe.",
+    ),
     "certify": (
         "jaxatt.cli.certify:certify",
         "Solve, then try every support with fewer active intervals, and all with as many.",
@@ -85,6 +89,21 @@ COMMANDS = {
 """Function or group of commands by its name, and the line that `jaxatt --help` has of it."""
 
 
+TAKES = {
+    "solve": "manoeuvre",
+    "plan": "manoeuvre",
+    "pareto": "manoeuvre",
+    "certify": "manoeuvre",
+    "sparsity": "manoeuvre",
+    "sensitivities": "manoeuvre",
+    "map": "manoeuvre",
+    "simulate": "flight",
+    "sweep": "study",
+    "design": "design",
+}
+"""Kind of the file that a command takes first."""
+
+
 class Commands(TyperGroup):
     """Commands by name, of which only the one that is called is loaded."""
 
@@ -101,6 +120,8 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         """The command that is called, itself."""
         name, command, rest = super().resolve_command(ctx, args)
+        if command and name in TAKES and any(arg.endswith(".toml") for arg in rest):
+            pkgutil.resolve_name("jaxatt.cli.early:refuse_early")(name, rest)
         return name, command and loaded(str(command.name)), rest
 
 

@@ -16,7 +16,8 @@ from rich.console import Console, RenderableType
 
 from jaxatt import scenarios
 from jaxatt.drawing.rendering import as_text
-from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.fields import ScenarioError, ScenarioErrors
+from jaxatt.problems.reading.lines import located
 from jaxatt.runtime.compile_cache import machine_cache, make_private, trim, user_cache
 from jaxatt.runtime.files import OutputError, prepare_folder
 from jaxatt.runtime.joining import JoinError, Joining, LostProcessError, leave, several, writes
@@ -197,13 +198,22 @@ def shortfall(result: Result) -> str:
     return " ".join(parts)
 
 
+def refused(error: ScenarioError) -> None:
+    """Print all errors of an input, with their lines where those are known."""
+    for each in error.errors if isinstance(error, ScenarioErrors) else (error,):
+        complain(f"Error: {located(each)}")
+
+
 @contextmanager
 def clean_exit() -> Iterator[None]:
     """Turn bad input, lost processes and interruption into a message and an exit code."""
 
     try:
         yield
-    except (ScenarioError, OutputError, JoinError) as error:
+    except ScenarioError as error:
+        refused(error)
+        _end(BAD_INPUT)
+    except (OutputError, JoinError) as error:
         complain(f"Error: {error}")
         _end(BAD_INPUT)
     except LostProcessError as error:

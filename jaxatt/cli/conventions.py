@@ -10,7 +10,7 @@ from jaxatt.cli.common import clean_exit, numbers, say
 from jaxatt.exchange.conventions import conventions as in_every_convention
 from jaxatt.problems.reading.attitudes import read_attitude
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import ATTITUDE_KEYS
+from jaxatt.problems.reading.tables.attitude import ATTITUDE_KEYS
 
 
 def conventions(

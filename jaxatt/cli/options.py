@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.heading import MOST_SEED, MOST_STARTS
+from jaxatt.problems.reading.tables.manoeuvre import MOST_SEED, MOST_STARTS
 from jaxatt.problems.registry import families
 from jaxatt.report.plots import Figures
 

@@ -10,12 +10,12 @@ import typer
 from jaxatt.cli.common import NOT_REACHED, complain, computing, finish
 from jaxatt.cli.options import FAILED_WHEELS, Cache, FailedWheels, Flight, NoCache, Out, Quiet
 from jaxatt.pipeline.simulate import simulate as run
-from jaxatt.problems.reading.heading import MOST_SEED
+from jaxatt.problems.reading.tables.manoeuvre import MOST_SEED
 from jaxatt.report.flight_table import flight_table
 from jaxatt.runtime.files import prepare_folder
 from jaxatt.runtime.progress import Reporter
 from jaxatt.scenarios import load_flight, replace_in_flight
-from jaxatt.scenarios.flight_tables import MOST_RUNS
+from jaxatt.scenarios.flight_schema import MOST_RUNS
 
 
 def simulate(

@@ -8,7 +8,7 @@ import typer
 
 from jaxatt.cli.common import computing, finish, prepared
 from jaxatt.cli.options import Cache, Case, NoCache, Out, Quiet
-from jaxatt.problems.reading.heading import MOST_STARTS
+from jaxatt.problems.reading.tables.manoeuvre import MOST_STARTS
 from jaxatt.runtime.progress import Reporter
 from jaxatt.studies.relative_sparsity import relative_sparsity
 from jaxatt.studies.sparsity_table import sparsity_table

@@ -16,7 +16,7 @@ from jaxatt.pipeline.solve import solve, versions
 from jaxatt.pipeline.step_check import check_steps
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.heading import MOST_SEED
+from jaxatt.problems.reading.tables.manoeuvre import MOST_SEED
 from jaxatt.problems.surroundings import surroundings_of
 from jaxatt.report.flight_result import FlightResult
 from jaxatt.runtime.chunks import Report
@@ -24,7 +24,7 @@ from jaxatt.runtime.clock import compile_seconds
 from jaxatt.scenarios.catalog import load_flight
 from jaxatt.scenarios.flight_build import Plan, build_flight
 from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.scenarios.flight_tables import MOST_RUNS
+from jaxatt.scenarios.flight_schema import MOST_RUNS
 from jaxatt.simulation.campaign import Spread, fly_runs
 from jaxatt.simulation.flight import fly_torque
 

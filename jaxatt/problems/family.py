@@ -13,6 +13,7 @@ import numpy as np
 from jaxatt.problems.front import Front, FrontRequest
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.schema import Tables
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sections import Sections
 from jaxatt.problems.sensitive import OptimalObjective, SensitiveAnswer
@@ -74,7 +75,7 @@ class Family(ABC):
     name : as records carry it.
     systems : values of `system` in a scenario that it answers to, e.g. "spacecraft".
     kinds : values of `objective.kind` that it answers to; the first is the default.
-    tables : name of a TOML table -> keys it may hold.
+    tables : name of a TOML table -> keys it may hold, with their types, ranges and meanings.
     sections : what it adds to a report.
     mapped : names in `summary.json` of what a map over many targets shows, best first; none where
         no attitude is aimed at.
@@ -86,7 +87,7 @@ class Family(ABC):
     name: str
     systems: tuple[str, ...]
     kinds: tuple[str, ...]
-    tables: Mapping[str, tuple[str, ...]]
+    tables: Tables
     sections: Sections
     mapped: tuple[str, ...] = ()
 

@@ -15,8 +15,6 @@ from jaxatt.problems.pointing.case import FREE, Pointing
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
-SPACECRAFT = "spacecraft"
-
 
 @dataclass(frozen=True)
 class Orbit:

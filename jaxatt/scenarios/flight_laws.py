@@ -14,21 +14,17 @@ from jaxatt.control.min_norm import GainScheduledMinNorm, MinNorm
 from jaxatt.control.proportional_derivative import ProportionalDerivative
 from jaxatt.control.sliding_mode import SlidingMode
 from jaxatt.control.super_twisting import SuperTwisting
-from jaxatt.control.surfaces import SURFACES
 from jaxatt.control.tracking import Tracking
 from jaxatt.problems.reading.fields import Table
-from jaxatt.scenarios.flight_schema import LAW_KEYS
+from jaxatt.scenarios.flight_law_keys import LAW
 from jaxatt.spacecraft import Spacecraft
 
 
 def read_law(data: Any, origin: str, name: str, vehicle: Spacecraft) -> tuple[FeedbackLaw, str]:
     """Read and check the law of a [laws.NAME] table, and its title; gains are in units of J_s."""
     label = f"[laws.{name}]"
-    every = tuple(dict.fromkeys(key for keys in LAW_KEYS.values() for key in keys))
-    table = Table(data, origin, label, ("kind", "title", *every))
-    table.require("kind", '"pd"')
-    kind = table.choice("kind", tuple(LAW_KEYS), "pd")
-    table = Table(data, origin, label, ("kind", "title", *LAW_KEYS[kind]))
+    table = Table(data, origin, label, LAW.of(data))
+    kind = table.choice("kind")
     return _law(kind, table, vehicle), table.text("title", name)
 
 
@@ -38,40 +34,40 @@ def _law(kind: str, table: Table, vehicle: Spacecraft) -> FeedbackLaw:
     if kind in ("pd", "tracking"):
         law = ProportionalDerivative(
             inertia,
-            table.number("proportional_1_s2", at_least=0.0),
-            table.number("derivative_1_s", at_least=0.0),
+            table.number("proportional_1_s2"),
+            table.number("derivative_1_s"),
         )
         return law if kind == "pd" else Tracking(law)
     if kind in ("sliding-mode", "super-twisting"):
-        surface = table.choice("surface", SURFACES, "pointing")
-        slope = table.number("slope_1_s", at_least=0.0)
+        surface = table.choice("surface")
+        slope = table.number("slope_1_s")
         if kind == "sliding-mode":
-            return SlidingMode(table.number("gain_1_s2", above=0.0) * sums, slope, surface)
+            return SlidingMode(table.number("gain_1_s2") * sums, slope, surface)
         return SuperTwisting(
-            table.number("first_gain", above=0.0) * sums,
-            table.number("second_gain", above=0.0) * jnp.ones(3),
-            table.number("beta", above=0.0),
+            table.number("first_gain") * sums,
+            table.number("second_gain") * jnp.ones(3),
+            table.number("beta"),
             slope,
             surface,
         )
     if kind == "krstic-tsiotras":
         return KrsticTsiotras(
             inertia,
-            table.number("first_gain_1_s", above=0.0),
-            table.number("second_gain_1_s", above=0.0),
-            table.number("factor", 1.5, above=0.0),
+            table.number("first_gain_1_s"),
+            table.number("second_gain_1_s"),
+            table.number("factor"),
         )
-    coupling = table.number("coupling_1_s", at_least=0.0)
+    coupling = table.number("coupling_1_s")
     printed = table.flag("inverse_inertia")
     if kind == "min-norm":
         return MinNorm(
             inertia,
-            table.number("proportional_1_s2", at_least=0.0),
-            table.number("derivative_1_s", at_least=0.0),
+            table.number("proportional_1_s2"),
+            table.number("derivative_1_s"),
             coupling,
             printed,
         )
-    gains = [table.vector(key, 2) for key in ("proportional_1_s2", "derivative_1_s")]
+    gains = [table.vector(key) for key in ("proportional_1_s2", "derivative_1_s")]
     for key, pair in zip(("proportional_1_s2", "derivative_1_s"), gains, strict=True):
         if not (pair > 0.0).all():
             table.fail(key, "must be greater than 0", "give the low gain, then the high one")
@@ -79,7 +75,7 @@ def _law(kind: str, table: Table, vehicle: Spacecraft) -> FeedbackLaw:
         return LatchedMinNorm(
             inertia, jnp.asarray(gains[0]), jnp.asarray(gains[1]), coupling, printed
         )
-    threshold = table.number("threshold_Nm", above=0.0)
+    threshold = table.number("threshold_Nm")
     return GainScheduledMinNorm(
         inertia, jnp.asarray(gains[0]), jnp.asarray(gains[1]), coupling, threshold, printed
     )

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading import manoeuvre
+from jaxatt.problems.reading.checking import refuse_faults
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch, read_epoch
 from jaxatt.problems.reading.directions import sky_over
 from jaxatt.problems.reading.documents import read_file
@@ -19,7 +20,7 @@ from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
 from jaxatt.scenarios.flight_model import FlightScenario
-from jaxatt.scenarios.flight_schema import FLIGHT_TABLES, PRINTED_FIGURES
+from jaxatt.scenarios.flight_schema import FLIGHT_KEYS, FLIGHT_TABLES, PRINTED_FIGURES
 from jaxatt.scenarios.loader import assign, plain_values
 
 
@@ -34,13 +35,8 @@ def flight_from_mapping(
 ) -> FlightScenario:
     """Check a document that has the names and units of a flight's file."""
     data = plain_values(document)
-    top = Table(data, origin, "", ("name", "title", "source", *FLIGHT_TABLES))
-    for key in ("vehicle", "initial", "simulation", "laws"):
-        if key not in data:
-            raise ScenarioError(
-                f"{origin}: [{key}] is missing; `jaxatt scenarios show hypso1-pointing` prints a "
-                "complete file to start from"
-            )
+    refuse_faults(data, origin, FLIGHT_KEYS)
+    top = Table(data, origin, "", FLIGHT_KEYS)
     notes: list[str] = []
     vehicle = read_vehicle(data["vehicle"], origin, folder, notes)
     surroundings = Table(

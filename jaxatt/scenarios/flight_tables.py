@@ -22,20 +22,16 @@ from jaxatt.problems.reading.attitudes import attitude_given
 from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import POSE_KEYS
+from jaxatt.problems.reading.tables.attitude import POSE_KEYS
 from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Orbit
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.flight_model import Asked, Surroundings, Timing
-from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
+from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, MOST_STEPS, SOLAR_KEYS
 from jaxatt.simulation.campaign import Spread
 from jaxatt.spacecraft import Spacecraft
 
 _WHOLE = 1e-6
-
-MOST_RUNS = 10_000_000
-MOST_STEPS = 10_000_000
-"""Runge-Kutta steps of a flight whose surroundings fit into memory."""
 
 
 def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surroundings:
@@ -49,10 +45,10 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
     if "drag" in table:
         inner = Table(table.data["drag"], origin, "[environment.drag]", DRAG_KEYS)
         drag = Drag(
-            inner.number("density_kg_m3", at_least=0.0),
-            inner.number("area_m2", at_least=0.0),
-            inner.number("coefficient", at_least=0.0),
-            jnp.asarray(inner.vector("lever_m", 3)),
+            inner.number("density_kg_m3"),
+            inner.number("area_m2"),
+            inner.number("coefficient"),
+            jnp.asarray(inner.vector("lever_m")),
             epoch.EARTH_RATE if inner.flag("corotating") else 0.0,
         )
     if "solar_pressure" in table:
@@ -60,20 +56,20 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
             table.data["solar_pressure"], origin, "[environment.solar_pressure]", SOLAR_KEYS
         )
         solar = SolarPressure(
-            inner.number("irradiance_W_m2", 1361.0, at_least=0.0),
-            inner.number("area_m2", at_least=0.0),
-            inner.number("reflectance", at_least=0.0, at_most=1.0),
-            jnp.asarray(inner.vector("lever_m", 3)),
-            inner.number("light_speed_m_s", 299792458.0, above=0.0),
+            inner.number("irradiance_W_m2"),
+            inner.number("area_m2"),
+            inner.number("reflectance"),
+            jnp.asarray(inner.vector("lever_m")),
+            inner.number("light_speed_m_s"),
         )
     dipole = eddy = None
     if "residual_dipole_Am2" in table:
-        dipole = ResidualDipole(jnp.asarray(table.vector("residual_dipole_Am2", 3)))
+        dipole = ResidualDipole(jnp.asarray(table.vector("residual_dipole_Am2")))
     if "eddy_coefficient" in table:
-        eddy = EddyCurrents(table.number("eddy_coefficient", at_least=0.0))
+        eddy = EddyCurrents(table.number("eddy_coefficient"))
     sun = None
     if "sun_direction" in table:
-        sun = table.vector("sun_direction", 3)
+        sun = table.vector("sun_direction")
         if not np.linalg.norm(sun) > 1e-12:
             table.fail("sun_direction", "is no direction", "give the direction to the sun")
         sun = sun / np.linalg.norm(sun)
@@ -81,8 +77,8 @@ def read_environment(data: Any, origin: str, orbit: Orbit | None) -> Surrounding
         orbit,
         read_epoch(table) if orbit is None else orbit.days,
         table.flag("gravity_gradient"),
-        table.number("sinusoidal_torque_Nm", 0.0),
-        table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0),
+        table.number("sinusoidal_torque_Nm"),
+        table.number("sinusoidal_frequency_rad_s"),
         sun,
         ExternalTorques(drag, solar, dipole, eddy),
     )
@@ -105,7 +101,7 @@ def read_reference(
     given = attitude_given(table)
     if manoeuvre and (given or "rate_rad_s" in table or "rate" in table):
         table.fail("manoeuvre", "given beside an attitude or rate", "keep one of them")
-    since = table.number("from_s", 0.0, at_least=0.0)
+    since = table.number("from_s")
     path = None
     if "aem_file" in table:
         refuse_beside_file(table, (*POSE_KEYS, "rate_rad_s", "rate", "attitude_held", "manoeuvre"))
@@ -113,7 +109,7 @@ def read_reference(
         path = read_path(table, sky.folder, sky.days, min(since, last), last)
     elif "at" in table:
         table.fail("at", "given without aem_file", "name the file, or drop it")
-    attitude, rate = initial.q_ob, table.vector("rate_rad_s", 3, np.zeros(3))
+    attitude, rate = initial.q_ob, table.vector("rate_rad_s")
     if given:
         path = read_followed(table, notes, sky, _instants(table, since, timing))
         if path is None:
@@ -124,7 +120,7 @@ def read_reference(
         attitude,
         rate,
         since,
-        table.flag("attitude_held", True),
+        table.flag("attitude_held"),
         manoeuvre,
         path,
     )
@@ -146,11 +142,11 @@ def _instants(table: Table, since: float, timing: Timing) -> Floats:
 def read_timing(data: Any, origin: str) -> Timing:
     """Read duration, sampling period and step, each a whole multiple of the next."""
     table = Table(data, origin, "[simulation]", FLIGHT_TABLES["simulation"])
-    table.choice("hold", ("zero-order",), "zero-order")
-    duration = table.number("duration_s", above=0.0, example="400.0")
-    sampling = table.number("sampling_s", above=0.0, example="0.1")
-    step = table.number("step_s", sampling, above=0.0)
-    records = table.integer("records", 400)
+    table.choice("hold")
+    duration = table.number("duration_s")
+    sampling = table.number("sampling_s")
+    step = table.number("step_s", sampling)
+    records = table.integer("records")
     if duration / step > MOST_STEPS:
         table.fail(
             "step_s" if "step_s" in table else "sampling_s",
@@ -171,32 +167,32 @@ def read_timing(data: Any, origin: str) -> Timing:
             )
     samples = round(duration / sampling)
     fitting = max(n for n in range(1, min(records, samples) + 1) if samples % n == 0)
-    tumbling = table.number("tumbling_rad_s", 10.0, above=0.0)
+    tumbling = table.number("tumbling_rad_s")
     return Timing(duration, sampling, step, fitting, tumbling)
 
 
 def read_settling(data: Any, origin: str, since: float) -> tuple[str, float, float]:
     """Read the watched signal, the width of its band, and the instant from which it counts."""
     table = Table(data, origin, "[settling]", FLIGHT_TABLES["settling"])
-    signal = table.choice("signal", ("attitude", "rate"), "attitude")
+    signal = table.choice("signal")
     wrong, right = (
         ("band_rad_s", "band_deg") if signal == "attitude" else ("band_deg", "band_rad_s")
     )
     if wrong in table:
         table.fail(wrong, f"given for signal = {signal}", f"give {right}")
     if signal == "attitude":
-        width = math.radians(table.number("band_deg", 0.5, above=0.0))
+        width = math.radians(table.number("band_deg"))
     else:
-        width = table.number("band_rad_s", above=0.0, example="4e-4")
-    return signal, width, table.number("since_s", since, at_least=0.0)
+        width = table.number("band_rad_s")
+    return signal, width, table.number("since_s", since)
 
 
 def read_noise(data: Any, origin: str) -> tuple[float, float]:
     """Read the standard deviations of measured rate and wheel speed [rad/s]."""
     table = Table(data, origin, "[noise]", FLIGHT_TABLES["noise"])
     return (
-        table.number("rate_rad_s", 0.0, at_least=0.0),
-        table.number("wheel_speed_rad_s", 0.0, at_least=0.0),
+        table.number("rate_rad_s"),
+        table.number("wheel_speed_rad_s"),
     )
 
 
@@ -218,9 +214,9 @@ def read_dumping(
             "add [orbit] and an epoch under [environment], or drop [dumping]",
         )
     return MomentumDumping(
-        table.number("gain_1_s", above=0.0, example="1.5e-2"),
+        table.number("gain_1_s"),
         jnp.asarray(read_wheel_speeds(table, vehicle.wheels)),
-        table.choice("form", ("effective", "printed"), "effective") == "printed",
+        table.choice("form") == "printed",
     )
 
 
@@ -228,14 +224,14 @@ def read_campaign(data: Any, origin: str) -> tuple[Spread, int, int]:
     """Read the spread, the number of runs and the seed."""
     table = Table(data, origin, "[campaign]", FLIGHT_TABLES["campaign"])
     spread = Spread(
-        math.radians(table.number("attitude_deg", 0.0, at_least=0.0)),
-        table.number("rate_rad_s", 0.0, at_least=0.0),
-        table.number("inertia_percent", 0.0, at_least=0.0, at_most=50.0) / 100.0,
-        math.radians(table.number("misalignment_deg", 0.0, at_least=0.0, at_most=45.0)),
-        table.number("gain_percent", 0.0, at_least=0.0, at_most=50.0) / 100.0,
+        math.radians(table.number("attitude_deg")),
+        table.number("rate_rad_s"),
+        table.number("inertia_percent") / 100.0,
+        math.radians(table.number("misalignment_deg")),
+        table.number("gain_percent") / 100.0,
     )
     return (
         spread,
-        table.integer("runs", 1000, at_most=MOST_RUNS),
-        table.integer("seed", 0, at_least=0),
+        table.integer("runs"),
+        table.integer("seed"),
     )

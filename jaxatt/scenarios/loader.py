@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems import registry
-from jaxatt.problems.family import Family
 from jaxatt.problems.reading.attitudes import replaced_by
+from jaxatt.problems.reading.checking import refuse
 from jaxatt.problems.reading.documents import read_file
-from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.file_format import format_of, scenario_faults
 from jaxatt.problems.reading.wheel_axes import other_mounting
-from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.scenario import Scenario
 
 
 def load_file(path: str | Path) -> Scenario:
@@ -43,20 +44,8 @@ def from_mapping(
         Where a vehicle's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    return _family(plain, origin).read(plain, origin, folder)
-
-
-def _family(document: dict[str, Any], origin: str) -> Family:
-    """The family that answers to a document's system and kind of objective."""
-    keys = tuple(document)
-    system = Table(document, origin, "", keys).choice("system", registry.systems(), SPACECRAFT)
-    objective = document.get("objective", {})
-    families = registry.families_of(system)
-    if not isinstance(objective, dict) or "kind" not in objective:
-        return families[0]
-    table = Table({"kind": objective["kind"]}, origin, "[objective]", ("kind",))
-    kind = table.choice("kind", registry.kinds_of(system), families[0].kinds[0])
-    return next(family for family in families if kind in family.kinds)
+    refuse(scenario_faults(plain, origin, registry.families()))
+    return format_of(plain, origin, registry.families()).read(plain, origin, folder)
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

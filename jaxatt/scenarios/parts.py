@@ -4,9 +4,9 @@ from jaxatt.problems.hands_off.windows import forbidden_mask, window_mask, windo
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.reading.attitudes import quaternion_from_angles
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.schema import SPACECRAFT
 from jaxatt.problems.reading.vehicles import load_vehicle, vehicle_names
 from jaxatt.problems.scenario import (
-    SPACECRAFT,
     Control,
     Disturbances,
     Horizon,

@@ -24,6 +24,9 @@ from jaxatt.environment.ellipsoid import EQUATORIAL_RADIUS, POLAR_RADIUS
 from jaxatt.environment.motion import TwoBody
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.keys import Number, Numbers, TableKey
+from jaxatt.problems.reading.keys import Text as TextKey
+from jaxatt.problems.reading.tables.manoeuvre import HEADING
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
@@ -39,20 +42,21 @@ NAME = "hypso1-imaging"
 _LINES = 400
 """Lines of which the distance to the next one is taken, over the whole image."""
 
-_KEYS = (
-    "name",
-    "title",
-    "source",
-    "altitudes_km",
-    "inclination_deg",
-    "latitude_deg",
-    "duration_s",
-    "nadir_quaternion",
-    "first_angle_deg",
-    "rate_rad_s",
-    "epoch",
-    "printed_nadir_m",
-    "printed_slew_m",
+_KEYS = TableKey(
+    "images of the ground",
+    {
+        **HEADING,
+        "altitudes_km": Numbers("altitudes", required=True, example="[500.0]"),
+        "inclination_deg": Number("inclination of the orbit", at_most=180.0, required=True),
+        "latitude_deg": Number("latitude that is overflown", at_most=90.0, required=True),
+        "duration_s": Number("length of the image", above=0.0, required=True),
+        "nadir_quaternion": Numbers("attitude of the nadir image", size=4, required=True),
+        "first_angle_deg": Number("pitch at which the slew begins", required=True),
+        "rate_rad_s": Numbers("rate of the slew", size=3, required=True),
+        "epoch": TextKey("moment (UTC)", required=True),
+        "printed_nadir_m": Number("printed distance of the nadir image", above=0.0),
+        "printed_slew_m": Number("printed distance of the slew", above=0.0),
+    },
 )
 
 
@@ -157,8 +161,8 @@ def compare_imaging(document: Mapping[str, Any] | None = None) -> Imaging:
     data = dict(parse(text(NAME), NAME) if document is None else document)
     table = Table(data, NAME, "", _KEYS)
     case = _Case(table)
-    printed = {k: table.number(f"printed_{k}_m", above=0.0) for k in ("nadir", "slew")}
-    altitudes = table.require("altitudes_km", "[500.0]")
+    printed = {k: table.number(f"printed_{k}_m") for k in ("nadir", "slew")}
+    altitudes = table.require("altitudes_km")
     rows = tuple(case.row(float(altitude), printed["nadir"]) for altitude in altitudes)
     low, high = 300.0, 900.0
     for _ in range(20):
@@ -174,13 +178,13 @@ def compare_imaging(document: Mapping[str, Any] | None = None) -> Imaging:
 
 class _Case:
     def __init__(self, table: Table) -> None:
-        self.inclination = math.radians(table.number("inclination_deg", at_most=180.0))
-        self.latitude = math.radians(table.number("latitude_deg", at_most=90.0))
-        self.duration = table.number("duration_s", above=0.0)
-        offset = table.vector("nadir_quaternion", 4)
+        self.inclination = math.radians(table.number("inclination_deg"))
+        self.latitude = math.radians(table.number("latitude_deg"))
+        self.duration = table.number("duration_s")
+        offset = table.vector("nadir_quaternion")
         self.nadir = offset / np.linalg.norm(offset)
         self.first = math.radians(table.number("first_angle_deg"))
-        self.rate = table.vector("rate_rad_s", 3)
+        self.rate = table.vector("rate_rad_s")
         self.days = epoch.days_since_j2000(epoch.parse(table.text("epoch")))
         if abs(math.sin(self.latitude)) >= abs(math.sin(self.inclination)):
             table.fail("latitude_deg", "is never overflown", "give a latitude below the orbit's")

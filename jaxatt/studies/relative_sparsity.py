@@ -18,12 +18,12 @@ from jaxatt import scenarios
 from jaxatt.attitude import errors
 from jaxatt.drawing.figure import picture, save, tidy
 from jaxatt.problems.hands_off.build import build_slew
-from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS
 from jaxatt.problems.hands_off.search.bang_off_bang import nearest_bang_off_bang, try_bang_off_bang
 from jaxatt.problems.hands_off.search.candidates import join
 from jaxatt.problems.hands_off.search.limited_search import search_within_limits
 from jaxatt.problems.hands_off.search.polish import Method
 from jaxatt.problems.hands_off.slew.task import SlewTask
+from jaxatt.problems.reading.tables.objective import SPARSE_KINDS
 from jaxatt.records.wording import plural
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.files import filling

@@ -19,21 +19,30 @@ from jaxatt.problems.family import Family
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.heading import read_heading
+from jaxatt.problems.reading.keys import Choice, Number, Numbers, TableKey
 from jaxatt.problems.reading.settings import read_horizon
+from jaxatt.problems.reading.tables import manoeuvre
 from jaxatt.problems.scenario import Objective, Scenario
 from jaxatt.problems.sections import Rows, Sections, plain_rows
 from jaxatt.records.phase import Phase, Section
 from jaxatt.records.starts import StartsRecord
 from jaxatt.report.archive import open_archive
 
+STATE = Numbers("position and speed", size=2, required=True)
 TABLES = {
-    "initial": ("state",),
-    "target": ("state", "tolerance"),
-    "horizon": ("horizon_s", "intervals", "coast_intervals", "substeps"),
-    "objective": ("kind",),
-    "cart": ("drag_1_s",),
-    "solver": ("starts", "seed"),
-    "printed": (),
+    "initial": TableKey("where it begins", {"state": STATE}, required=True),
+    "target": TableKey(
+        "where it ends",
+        {"state": STATE, "tolerance": Number("largest error", default=1e-6, above=0.0)},
+        required=True,
+    ),
+    "horizon": manoeuvre.HORIZON,
+    "objective": TableKey(
+        "what is minimised", {"kind": Choice("effort", options=("least-effort",))}
+    ),
+    "cart": TableKey("cart", {"drag_1_s": Number("drag", default=0.0, at_least=0.0)}),
+    "solver": manoeuvre.SOLVER,
+    "printed": manoeuvre.PRINTED,
 }
 NO_ATTITUDE = np.array([1.0, 0.0, 0.0, 0.0])
 
@@ -66,22 +75,22 @@ class Cart(Family):
     sections = Sections(rows=cart_rows, names=lambda phase: {"peak": float(phase.section.peak)})
 
     def read(self, document, origin, folder):
-        heading = read_heading(document, origin, TABLES, ("initial", "target", "horizon"))
+        heading = read_heading(document, origin, TABLES)
         target = Table(document["target"], origin, "[target]", TABLES["target"])
         cart = Table(document.get("cart", {}), origin, "[cart]", TABLES["cart"])
         initial = Table(document["initial"], origin, "[initial]", TABLES["initial"])
         return Scenario(
             **vars(heading),
             family=self.name,
-            initial=state_of(initial.vector("state", 2)),
+            initial=state_of(initial.vector("state")),
             targets=(
                 Target(
                     NO_ATTITUDE,
                     np.zeros(3),
                     np.pi,
                     np.inf,
-                    target.vector("state", 2),
-                    target.number("tolerance", 1e-6, above=0.0),
+                    target.vector("state"),
+                    target.number("tolerance"),
                 ),
             ),
             horizon=read_horizon(document["horizon"], origin),
@@ -89,7 +98,7 @@ class Cart(Family):
             document=document,
             origin=origin,
             folder=folder,
-            options=CartOptions(cart.number("drag_1_s", 0.0, at_least=0.0)),
+            options=CartOptions(cart.number("drag_1_s")),
         )
 
     def search(self, scenario, start, options, report):

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 from jaxatt import scenarios
 from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.reading.documents import parse
-from jaxatt.problems.reading.schema import SPACECRAFT_TABLES, TOY_TABLES, VEHICLE_PARTS
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.tables.vehicle import VEHICLE_PARTS
+from jaxatt.problems.toy.tables import TOY_TABLES
 from jaxatt.scenarios.flight_schema import DRAG_KEYS, FLIGHT_TABLES, SOLAR_KEYS
 
 GONE, DOUBLED = "gone", "doubled"

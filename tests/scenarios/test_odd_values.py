@@ -21,11 +21,11 @@ def refused_or_loaded(read, odd):
     try:
         read(document, origin="odd.toml")
     except ScenarioError as error:
-        message = str(error)
         named = path == ("vehicle", "file")  # the message is then about the file named
-        assert named or message.startswith("odd.toml: "), message
-        assert "; " in message, f"no mend in: {message}"
-        assert len(message) < 1000, f"{name} {path} {value!r:.40}: {message:.200}"
+        for message in str(error).splitlines():
+            assert named or message.startswith("odd.toml: "), message
+            assert "; " in message, f"no mend in: {message}"
+            assert len(message) < 1000, f"{name} {path} {value!r:.40}: {message:.200}"
 
 
 @EXAMPLES

@@ -150,7 +150,7 @@ def test_places_are_looked_at_from_the_orbit_of_a_tle():
     ("orbit", "parts"),
     [
         ({"tle": [HYPSO1[0], HYPSO1[1][:-1] + "0"]}, ["[orbit] tle", "checksum of line 2"]),
-        ({"tle": HYPSO1[0]}, ["must be two texts"]),
+        ({"tle": HYPSO1[0]}, ["must be a list of texts", '["1 ...", "2 ..."]']),
         ({"tle": list(HYPSO1), "raan_deg": 3.0}, ["raan_deg = 3.0", "given beside tle"]),
         (
             {"tle": list(HYPSO1), "epoch": "2045-01-01"},

@@ -92,7 +92,7 @@ def refusal(document):
         ("disturbances.gravity_gradient", 1, ["true or false"]),
         ("target", 3, ["[target]", "not a table"]),
         ("windows", {"weight": 1}, ["double brackets"]),
-        ("legs", {"attitude_deg": [0, 0, 0]}, ["[target] and [[legs]]"]),
+        ("legs", [{"attitude_deg": [0, 0, 0]}], ["[target] and [[legs]]"]),
         ("printed", 3, ["[printed]"]),
         ("printed.l0", 3, ["[printed.l0]: 3 is not a table"]),
         ("printed.l0.active_intervals", "two", ["[printed.l0] active_intervals", "not a number"]),
@@ -165,7 +165,7 @@ def refusal(document):
         # vehicles
         ("vehicle.use", "hypso-1", ["no bundled vehicle", "did you mean 'hypso1'"]),
         ("vehicle.file", "other.toml", ["beside use"]),
-        ("vehicle", {}, ["inertia_kgm2: missing", 'use = "eseo"']),
+        ("vehicle", {}, ["inertia_kgm2: missing", "give use or file"]),
         ("initial.state", [0, 0], ["unknown key"]),
     ],
 )

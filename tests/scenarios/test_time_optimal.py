@@ -123,7 +123,7 @@ def test_limits_of_the_final_time_may_be_given():
     ("changes", "words"),
     [
         # a whole turn
-        ({"target": {"attitude_mrp": [0, 0, math.inf]}}, "attitude_mrp.*360 deg.*tan.*infinite"),
+        ({"target": {"attitude_mrp": [0, 0, math.inf]}}, "attitude_mrp.*must be finite"),
         ({"target": {"attitude_mrp": [-1e9, 0, 0]}}, r"attitude_mrp.*360.*0\.0\] is the same"),
         ({"target": {"attitude_mrp": [math.nan, 0, 0]}}, "attitude_mrp.*must be finite"),
         ({"target": {"attitude_mrp": [0, 0]}}, "attitude_mrp.*2 entries"),

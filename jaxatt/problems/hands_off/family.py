@@ -12,9 +12,9 @@ from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.hands_off.build import build_slew
 from jaxatt.problems.hands_off.certificate import PhaseCertificate
 from jaxatt.problems.hands_off.enumerate_supports import certify_support
+from jaxatt.problems.hands_off.file_format import FORMAT
 from jaxatt.problems.hands_off.phase import phase_record
 from jaxatt.problems.hands_off.phase_search import Build, search_phase
-from jaxatt.problems.hands_off.reading.objective import SPARSE_KINDS
 from jaxatt.problems.hands_off.reading.scenario import read_hands_off
 from jaxatt.problems.hands_off.record import FinalTimes
 from jaxatt.problems.hands_off.report.sections import HANDS_OFF
@@ -27,8 +27,7 @@ from jaxatt.problems.hands_off.targets.answers import answer_targets
 from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.records.phase import Phase
 from jaxatt.records.targets import TargetAnswers
@@ -47,7 +46,7 @@ class SparseAnswer(NamedTuple):
 class SparseFamily(Family):
     """Base of the families of sparse control, which differ in the system that is controlled."""
 
-    kinds = SPARSE_KINDS
+    kinds = FORMAT.kinds
 
     def build(self, scenario: Scenario, start: PhaseStart) -> Build:
         """Function that builds the task of a phase, at the scenario's final time or another."""
@@ -119,9 +118,9 @@ class SparseFamily(Family):
 class HandsOff(SparseFamily):
     """Family of maximum hands-off, moving hands-off and L1 control of a spacecraft."""
 
-    name = "hands-off"
-    systems = (SPACECRAFT,)
-    tables = SPACECRAFT_TABLES
+    name = FORMAT.name
+    systems = FORMAT.systems
+    tables = FORMAT.tables
     sections = HANDS_OFF
     mapped = ("active_intervals", "l1_effort_Nms")
 

@@ -11,15 +11,14 @@ from jaxatt.problems.front import Front, FrontRequest
 from jaxatt.problems.manoeuvre import InitialState
 from jaxatt.problems.net_power.answers import Answers, judged, searched
 from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.file_format import FORMAT
 from jaxatt.problems.net_power.front.front import net_power_front
 from jaxatt.problems.net_power.improve import improved
-from jaxatt.problems.net_power.reading.objective import KIND
 from jaxatt.problems.net_power.reading.scenario import read_net_power
-from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
 from jaxatt.problems.net_power.report.sections import NET_POWER
 from jaxatt.problems.net_power.sensitive import sensitive_manoeuvre
 from jaxatt.problems.net_power.targets import answer_targets
-from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.records.phase import Phase
 from jaxatt.records.targets import TargetAnswers
@@ -30,10 +29,10 @@ from jaxatt.runtime.chunks import Report
 class NetPower(Family):
     """Family of manoeuvres that earn the most net energy, one by one or as a plan of tasks."""
 
-    name = "net-power"
-    systems = (SPACECRAFT,)
-    kinds = (KIND,)
-    tables = NET_POWER_TABLES
+    name = FORMAT.name
+    systems = FORMAT.systems
+    kinds = FORMAT.kinds
+    tables = FORMAT.tables
     sections = NET_POWER
     mapped = ("energy.net_J", "energy.gain_J")
 

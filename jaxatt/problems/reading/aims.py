@@ -17,7 +17,7 @@ from jaxatt.problems.reading.attitude_files import read_path, refuse_beside_file
 from jaxatt.problems.reading.attitudes import check_one_form, read_attitude
 from jaxatt.problems.reading.directions import Aim, Sky, check_sight, read_aim
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AIM_KEYS, DIRECTION_KEYS, POSE_KEYS
+from jaxatt.problems.reading.tables.attitude import AIM_KEYS, DIRECTION_KEYS, POSE_KEYS
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.spacecraft.checks import Float64
@@ -32,7 +32,6 @@ _CHECKED = 65
 """Instants at which directions that are followed are checked."""
 _ALONG = 1e-12
 """[rad/s] Rates across a body axis that count as none."""
-_RATES = ("orbit", "inertial", "track")
 
 _pose = jax.jit(toward.pose, compiler_options=RUNS_ONCE)
 _poses = jax.jit(jax.vmap(toward.pose, (None, None, None, None, 0)), compiler_options=RUNS_ONCE)
@@ -143,7 +142,7 @@ def read_followed(table: Table, notes: list[str], sky: Sky, times: Floats) -> At
 def _aimed_and_told(table: Table, sky: Sky) -> tuple[bool, str]:
     """Whether a table points along directions, and its `rate`, checked; "" without."""
     aimed = any(key in table for key in AIM_KEYS)
-    told = table.choice("rate", _RATES, _RATES[0]) if "rate" in table else ""
+    told = table.choice("rate") if "rate" in table else ""
     if told and "rate_rad_s" in table:
         table.fail("rate", "given beside rate_rad_s", "keep one of the two and drop the other")
     if told == "track" and not aimed:

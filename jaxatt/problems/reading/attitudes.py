@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AIM_KEYS, FILE_KEYS
+from jaxatt.problems.reading.tables.attitude import AIM_KEYS, FILE_KEYS
 from jaxatt.spacecraft.checks import Float64
 
 _UNIT_TOLERANCE = 1e-9
@@ -16,8 +16,9 @@ _AXIS_TOLERANCE = 1e-5
 # Beyond it an MRP stands for less than 1e-3 deg short of a whole turn.
 _LARGEST_MRP = 1e5
 
+_AIMED = tuple(AIM_KEYS)
 _TURNED = ("axis", "angle_deg", "angle_rad")
-_FORMS = (("attitude_deg",), ("attitude_quaternion",), ("attitude_mrp",), _TURNED, AIM_KEYS)
+_FORMS = (("attitude_deg",), ("attitude_quaternion",), ("attitude_mrp",), _TURNED, _AIMED)
 _WHOLE_TURN = (
     "stands for a turn of 360 deg, where sigma = axis tan(angle/4) is infinite",
     "[0.0, 0.0, 0.0] is the same attitude",
@@ -75,7 +76,7 @@ def _form(table: Table) -> tuple[str, ...]:
 def read_attitude(table: Table, notes: list[str]) -> Float64:
     """Read the unit quaternion q_ob of a table, (4,); a note says when it was normalised."""
     form = _form(table)
-    if form is AIM_KEYS:
+    if form is _AIMED:
         table.fail(
             next(key for key in form if key in table),
             "not in this table, where the attitude must be fixed",
@@ -87,12 +88,12 @@ def read_attitude(table: Table, notes: list[str]) -> Float64:
         return _from_mrp(table)
     if "attitude_quaternion" in form:
         return _from_quaternion(table, notes)
-    table.require("attitude_deg", "[0.0, 0.0, 0.0]")
-    return quaternion_from_angles(np.deg2rad(table.vector("attitude_deg", 3)))
+    table.require("attitude_deg")
+    return quaternion_from_angles(np.deg2rad(table.vector("attitude_deg")))
 
 
 def _from_quaternion(table: Table, notes: list[str]) -> Float64:
-    quaternion = table.vector("attitude_quaternion", 4, scaled=True)
+    quaternion = table.vector("attitude_quaternion")
     # Scaling first keeps the norm of huge or tiny entries from overflowing.
     largest = float(np.abs(quaternion).max())
     if largest < 1e-12:
@@ -111,11 +112,7 @@ def _from_quaternion(table: Table, notes: list[str]) -> Float64:
 
 
 def _from_mrp(table: Table) -> Float64:
-    entries = table.data["attitude_mrp"]
-    numbers = entries if isinstance(entries, list) else []
-    if any(isinstance(entry, float) and math.isinf(entry) for entry in numbers):
-        table.fail("attitude_mrp", *_WHOLE_TURN)
-    sigma = table.vector("attitude_mrp", 3)
+    sigma = table.vector("attitude_mrp")
     if np.abs(sigma).max() > _LARGEST_MRP:
         table.fail("attitude_mrp", *_WHOLE_TURN)
     squared = float(sigma @ sigma)
@@ -123,12 +120,10 @@ def _from_mrp(table: Table) -> Float64:
 
 
 def _from_axis(table: Table, notes: list[str]) -> Float64:
-    axis = table.vector("axis", 3, scaled=True)
-    if "angle_deg" in table and "angle_rad" in table:
-        table.fail("angle_rad", "given beside angle_deg", "keep one of the two and drop the other")
+    axis = table.vector("axis")
     key = "angle_rad" if "angle_rad" in table else "angle_deg"
     whole, unit = (2.0 * math.pi, "rad") if key == "angle_rad" else (360.0, "deg")
-    angle = table.number(key, example="90.0")
+    angle = table.number(key)
     if abs(abs(angle) - whole) < 1e-9 * whole:
         table.fail(key, *_WHOLE_TURN[:1], "an angle of 0 is the same attitude")
     if abs(angle) > whole:

@@ -17,15 +17,13 @@ from jaxatt.environment.orbit_data.element_set import ElementSet
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, beyond, moment_of
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.orbit import covering, read_orbit
-from jaxatt.problems.reading.schema import DIRECTION_KEYS
+from jaxatt.problems.reading.tables.attitude import DIRECTION_KEYS, GIVEN
 from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import motion_of
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.settings import RUNS_ONCE
 from jaxatt.spacecraft.checks import Float64
 
-_WORDS = ("nadir", "velocity", "sun", "field", "site", "satellite")
-_GIVEN = ("toward", "direction_inertial", "direction_orbit", "right_ascension_deg")
 _NEEDS_ORBIT = ("nadir", "velocity", "field", "site", "satellite", "direction_orbit")
 _NEEDS_DATE = ("sun", "field", "site")
 _OWN_KEYS = {
@@ -108,8 +106,8 @@ def read_direction(
 
     Raises `ScenarioError`.
     """
-    given = table.one_of(_GIVEN)
-    kind = table.choice("toward", _WORDS, "nadir") if given == "toward" else given
+    given = table.one_of(GIVEN)
+    kind = table.choice("toward") if given == "toward" else given
     _check_keys(table, kind)
     _check_known(table, kind, given, sky, last)
     return _direction(table, kind, notes, sky, last)
@@ -159,7 +157,7 @@ def _direction(
         return toward.AmongStars(table.direction(kind)), "the direction"
     if kind == "right_ascension_deg":
         ra = math.radians(table.number("right_ascension_deg"))
-        dec = math.radians(table.number("declination_deg", at_least=-90.0, at_most=90.0))
+        dec = math.radians(table.number("declination_deg"))
         x, y = math.cos(dec) * math.cos(ra), math.cos(dec) * math.sin(ra)
         return toward.AmongStars(np.array([x, y, math.sin(dec)])), "the direction"
     if kind == "sun":
@@ -183,9 +181,9 @@ def _direction(
 
 def _to_site(table: Table, notes: list[str], sky: Sky) -> tuple[toward.Direction, str]:
     assert sky.motion is not None
-    latitude = table.number("latitude_deg", at_least=-90.0, at_most=90.0, example="63.42")
-    longitude = table.number("longitude_deg", at_least=-360.0, at_most=360.0, example="10.39")
-    height = table.number("height_m", 0.0, at_least=-1e4, at_most=1e5)
+    latitude = table.number("latitude_deg")
+    longitude = table.number("longitude_deg")
+    height = table.number("height_m")
     if doubtful := as_radians(latitude, longitude):
         notes.append(f"{table.label}: {doubtful}")
     at = (math.radians(latitude), math.radians(longitude), height)
@@ -195,7 +193,7 @@ def _to_site(table: Table, notes: list[str], sky: Sky) -> tuple[toward.Direction
 
 def _to_satellite(table: Table, notes: list[str], sky: Sky, last: float) -> toward.Direction:
     assert sky.motion is not None
-    data = table.require("satellite", '{ tle_file = "other.tle" }')
+    data = table.require("satellite")
     other = read_orbit(
         data, f"{table.origin}: {table.label} satellite", sky.folder, notes, sky.days
     )

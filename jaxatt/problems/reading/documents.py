@@ -49,7 +49,12 @@ def _refuse_depth(origin: str) -> NoReturn:
 
 
 def read_file(path: Path) -> dict[str, Any]:
-    """Return the document of a TOML file.
+    """Return the document of a TOML file, which is read as `text_of` does."""
+    return parse(text_of(path), str(path))
+
+
+def text_of(path: Path) -> str:
+    """Return the text of a TOML file.
 
     In UTF-8, with or without a byte order mark, or in UTF-16 with one, as Windows writes them.
     """
@@ -69,4 +74,4 @@ def read_file(path: Path) -> dict[str, Any]:
             f"{path}: holds NUL characters, as UTF-16 without a byte order mark does; save it as "
             "UTF-8"
         )
-    return parse(text, str(path))
+    return text

@@ -10,14 +10,14 @@ from jaxatt.problems.reading.fields import Table
 
 def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, float]:
     """Read from [horizon] whether the final time is free, and its shortest and longest [s]."""
-    free = table.choice("final_time", ("fixed", "free"), default) == "free"
+    free = table.choice("final_time", default) == "free"
     for key in ("shortest_s", "longest_s"):
         if key in table and not free:
             table.fail(
                 key, "the final time is fixed", 'add final_time = "free", or keep horizon_s alone'
             )
-    shortest = table.number("shortest_s", 0.0, at_least=0.0)
-    longest = table.number("longest_s", math.inf, above=0.0)
+    shortest = table.number("shortest_s")
+    longest = table.number("longest_s", math.inf)
     if shortest > longest:
         table.fail("shortest_s", f"more than longest_s = {longest:g}", "exchange the two")
     return free, shortest, longest

@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.environment.eclipse import SPHERICAL_EARTH_RADIUS, SUN_RADIUS, Shadow
+from jaxatt.environment.eclipse import Shadow
 from jaxatt.environment.light import Light
 from jaxatt.environment.sun import ASTRONOMICAL_UNIT
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import LIGHT_KEYS
+from jaxatt.problems.reading.tables.orbit import LIGHT
 from jaxatt.problems.scenario import Orbit
 
 _SHADOW_KEYS = ("penumbra", "earth_radius_m", "sun_radius_m")
-_SHADOWS = ("none", "conical")
 
 
 def read_light(data: Any, origin: str, orbit: Orbit | None) -> Light:
@@ -23,9 +22,9 @@ def read_light(data: Any, origin: str, orbit: Orbit | None) -> Light:
     orbit : None in empty space, where there is no shadow and the sun must be given.
     Raises `ScenarioError`.
     """
-    table = Table(data, origin, "[light]", LIGHT_KEYS)
+    table = Table(data, origin, "[light]", LIGHT)
     shadow = None
-    if table.choice("shadow", _SHADOWS, "none" if orbit is None else "conical") == "conical":
+    if table.choice("shadow", "none" if orbit is None else "conical") == "conical":
         if orbit is None:
             table.fail("shadow", "there is no [orbit]", 'add one, or write shadow = "none"')
         shadow = _shadow(table)
@@ -33,7 +32,7 @@ def read_light(data: Any, origin: str, orbit: Orbit | None) -> Light:
         for key in _SHADOW_KEYS:
             if key in table:
                 table.fail(key, "there is no shadow", 'drop it, or write shadow = "conical"')
-    return Light(table.number("irradiance_W_m2", 1361.0, above=0.0), _sun(table, orbit), shadow)
+    return Light(table.number("irradiance_W_m2"), _sun(table, orbit), shadow)
 
 
 def _sun(table: Table, orbit: Orbit | None) -> Any:
@@ -47,11 +46,11 @@ def _sun(table: Table, orbit: Orbit | None) -> Any:
         if "sun_distance_m" in table:
             table.fail("sun_distance_m", "the date gives it", "drop it, or add sun_inertial")
         return None
-    sun = table.vector("sun_inertial", 3)
+    sun = table.vector("sun_inertial")
     length = float(np.linalg.norm(sun))
     if not length > 1e-12:
         table.fail("sun_inertial", "is no direction", "give the direction to the sun")
-    return sun / length * table.number("sun_distance_m", ASTRONOMICAL_UNIT, above=1e9)
+    return sun / length * table.number("sun_distance_m", ASTRONOMICAL_UNIT)
 
 
 def _shadow(table: Table) -> Shadow:
@@ -59,9 +58,9 @@ def _shadow(table: Table) -> Shadow:
     if table.data.get("penumbra") != "disk":
         if isinstance(table.data.get("penumbra"), str):
             table.fail("penumbra", "not one of the choices", 'give a number or "disk"')
-        penumbra = table.number("penumbra", 0.2, at_least=0.0, at_most=1.0)
+        penumbra = table.number("penumbra")
     return Shadow(
         penumbra,
-        table.number("earth_radius_m", SPHERICAL_EARTH_RADIUS, above=1e6),
-        table.number("sun_radius_m", SUN_RADIUS, above=0.0),
+        table.number("earth_radius_m"),
+        table.number("sun_radius_m"),
     )

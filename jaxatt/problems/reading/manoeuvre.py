@@ -82,16 +82,16 @@ def read_target(
             f"{origin}: [target] is missing; add it with attitude_deg = [phi, theta, psi]"
         )
     table = Table(data, origin, label, SPACECRAFT_TABLES["target"])
-    tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
+    tolerance = table.number("attitude_tolerance_deg")
     attitude, rate, boresight = read_goal(table, notes, sky, first, last)
     return Target(
         q_ob=attitude,
         omega_ob=rate,
         boresight=boresight,
         attitude_tolerance=math.radians(tolerance),
-        rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
+        rate_tolerance=table.number("rate_tolerance_rad_s"),
         wheel_bias=read_bias(table, wheels),
-        bias_tolerance=table.number(TOLERANCE, 0.1, above=0.0),
+        bias_tolerance=table.number(TOLERANCE),
     )
 
 
@@ -99,7 +99,7 @@ def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str], sk
     """Read the waypoint; its time moves to the nearest node, with a note if it moved."""
     table = Table(data, origin, "[waypoint]", SPACECRAFT_TABLES["waypoint"])
     node = _node_by_number(table, horizon) if "node" in table else _node(table, horizon, notes)
-    tolerance = table.number("tolerance_deg", 0.1, above=0.0, at_most=180.0)
+    tolerance = table.number("tolerance_deg")
     first = node * (horizon.shortest / horizon.intervals if horizon.free else horizon.step)
     last = node * (horizon.longest / horizon.intervals if horizon.free else horizon.step)
     attitude, _ = read_state(table, notes, sky, first, last)
@@ -107,8 +107,6 @@ def read_waypoint(data: Any, origin: str, horizon: Horizon, notes: list[str], sk
 
 
 def _node_by_number(table: Table, horizon: Horizon) -> int:
-    if "time_s" in table:
-        table.fail("time_s", "given beside node", "keep one of the two and drop the other")
     node = table.integer("node")
     if node >= horizon.intervals:
         table.fail(
@@ -122,7 +120,7 @@ def _node_by_number(table: Table, horizon: Horizon) -> int:
 def _node(table: Table, horizon: Horizon, notes: list[str]) -> int:
     if horizon.free:
         refuse_seconds(table, "time_s", "node = ...")
-    time = table.number("time_s", example=f"{horizon.duration / 2:g}")
+    time = table.number("time_s")
     if not 0.0 < time < horizon.duration:
         table.fail(
             "time_s",

@@ -24,7 +24,7 @@ from jaxatt.environment.orbit_data.path import OrbitDataError, OrbitPath
 from jaxatt.environment.orbit_data.tle import element_set
 from jaxatt.problems.reading.dates import read_epoch
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.tables.orbit import ORBIT, SOURCES
 from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import elements_of
 from jaxatt.runtime.settings import RUNS_ONCE
@@ -35,8 +35,6 @@ _LARGEST_AXIS_KM = 1e6
 # The Earth's parameter is 3.986e14 m^3/s^2; far below it, km^3/s^2 were meant.
 _SMALLEST_PARAMETER = 1e12
 
-SOURCES = ("tle", "tle_file", "omm_file", "oem_file")
-"""Keys that take the place of Keplerian elements."""
 _BESIDE = ("epoch", "object")
 _MARGIN = 600.0
 """[s] By which an orbit is sampled beyond the motion: environments are interpolated with it."""
@@ -56,7 +54,7 @@ def read_orbit(
     days : the start, since J2000, where another table has said it.
     Raises `ScenarioError`.
     """
-    table = Table(data, origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
+    table = Table(data, origin, "[orbit]", ORBIT)
     start = read_epoch(table) if days is None else days
     given = [key for key in SOURCES if key in table]
     if given:
@@ -64,8 +62,8 @@ def read_orbit(
     if "object" in table:
         table.fail("object", "there is no file to look for it in", "drop it, or give tle_file")
     orbit = _from_elements(table, start)
-    mean = table.choice("elements", ("osculating", "mean"), "osculating") == "mean"
-    if table.choice("perturbations", ("none", "J2"), "none") == "none":
+    mean = table.choice("elements") == "mean"
+    if table.choice("perturbations") == "none":
         if mean:
             table.fail(
                 "elements",
@@ -107,7 +105,7 @@ def covering(orbit: Orbit, data: Any, origin: str, last: float) -> Orbit:
     """
     if orbit.path is None:
         return orbit
-    table = Table(data, origin, "[orbit]", SPACECRAFT_TABLES["orbit"])
+    table = Table(data, origin, "[orbit]", ORBIT)
     key = next((key for key in ("epoch", *SOURCES) if key in table), "perturbations")
     if not math.isfinite(last):
         table.fail(
@@ -154,9 +152,7 @@ def _from_source(
 
 
 def _lines(table: Table) -> tuple[str, str]:
-    given = table.data["tle"]
-    if not isinstance(given, list) or len(given) != 2 or not all(isinstance(x, str) for x in given):
-        table.fail("tle", "must be two texts", 'write tle = ["1 ...", "2 ..."]')
+    given = table.texts("tle")
     return given[0], given[1]
 
 
@@ -188,10 +184,10 @@ def _along(path: OrbitPath, days: float | None, mu: float) -> Orbit:
 
 
 def _from_elements(table: Table, days: float | None) -> Orbit:
-    axis = table.number("semi_major_axis_km", above=0.0, example="6852.2")
+    axis = table.number("semi_major_axis_km")
     if axis > _LARGEST_AXIS_KM:
         table.fail("semi_major_axis_km", "farther out than the Moon", "give kilometres, not metres")
-    eccentricity = table.number("eccentricity", at_least=0.0, example="0.002")
+    eccentricity = table.number("eccentricity")
     if eccentricity >= 1.0:
         table.fail("eccentricity", "is no closed orbit", "give a number from 0 to less than 1")
     perigee = axis * (1.0 - eccentricity)
@@ -202,16 +198,16 @@ def _from_elements(table: Table, days: float | None) -> Orbit:
             f"centre, radius {EARTH_RADIUS_KM} km)",
             "give the distance from the Earth's centre, not the altitude, in kilometres",
         )
-    parameter = table.number("gravitational_parameter_m3_s2", 3.986e14, above=0.0)
+    parameter = table.number("gravitational_parameter_m3_s2")
     if parameter < _SMALLEST_PARAMETER:
         table.fail(
             "gravitational_parameter_m3_s2",
             "too small for the Earth",
             "give m^3/s^2, 3.986e14 for the Earth, not km^3/s^2",
         )
-    inclination = table.number("inclination_deg", at_least=0.0, at_most=180.0, example="97.0")
+    inclination = table.number("inclination_deg")
     raan, periapsis, anomaly = (
-        math.radians(table.number(f"{key}_deg", example="0.0"))
+        math.radians(table.number(f"{key}_deg"))
         for key in ("raan", "argument_of_periapsis", "true_anomaly")
     )
     return Orbit(

@@ -74,7 +74,7 @@ def read_pointing(
 
 def _cone(table: Table, kind: str, notes: list[str], sky: Sky, first: float, last: float) -> Cone:
     name = table.text("name")
-    half = table.number("half_angle_deg", above=0.0, example="30.0")
+    half = table.number("half_angle_deg")
     if half >= 180.0:
         table.fail("half_angle_deg", "must be less than 180", "give half of the cone's opening")
     boresight = table.direction("boresight")
@@ -91,11 +91,11 @@ def _rate_limit(data: Any, origin: str) -> Float64 | None:
     if key not in table:
         return None
     if isinstance(table.data[key], list):
-        limit = table.vector(key, 3)
+        limit = table.vector(key)
         if not (limit > 0.0).all():
             table.fail(key, "must be greater than 0", "give three positive numbers, or one for all")
     else:
-        limit = np.full(3, table.number(key, above=0.0))
+        limit = np.full(3, table.number(key))
     return np.deg2rad(limit)
 
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.keys import Key, Number, TableKey
 from jaxatt.problems.reading.schema import unit_of
+
+_PERCENT = Number(at_least=0.0, at_most=100.0)
 
 PrintedNumbers = Mapping[str, int]
 """Name of a value -> how many numbers it has."""
@@ -29,7 +33,7 @@ def read_printed(
     top = _table(data, origin, label)
     for name, numbers in blocks.items():
         if name in top:
-            _check(_table(top.data[name], origin, f"{label[:-1]}.{name}]"), numbers)
+            _check(_table(top.data[name], origin, f"{label[:-1]}.{name}]", numbers), numbers)
     if rows is not None and "rows" in top:
         listed = top.data["rows"]
         if not isinstance(listed, list):
@@ -38,24 +42,23 @@ def read_printed(
                 "double brackets"
             )
         for index, item in enumerate(listed):
-            row = _table(item, origin, f"[[printed.rows]] no. {index + 1}")
+            row = _table(item, origin, f"[[printed.rows]] no. {index + 1}", rows)
             row.text("label")
             _check(row, rows)
     return top.data
 
 
-def _table(data: Any, origin: str, label: str) -> Table:
-    """A table that may hold any key."""
-    return Table(data, origin, label, tuple(data) if isinstance(data, dict) else ())
+def _table(
+    data: Any, origin: str, label: str, numbers: PrintedNumbers = MappingProxyType({})
+) -> Table:
+    """A table that may hold any key, and some numbers."""
+    keys = {name: _PERCENT if unit_of(name) == "percent" else Number() for name in numbers}
+    return Table(data, origin, label, TableKey(keys_=keys, free=Key()))
 
 
 def _check(table: Table, numbers: PrintedNumbers) -> None:
     for name, count in numbers.items():
-        if name not in table:
-            continue
-        if count > 1:
+        if name in table and count > 1:
             table.vector(name, count)
-        elif unit_of(name) == "percent":
-            table.number(name, at_least=0.0, at_most=100.0)
-        else:
+        elif name in table:
             table.number(name)

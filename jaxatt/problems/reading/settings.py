@@ -8,11 +8,8 @@ from typing import Any
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.tables.manoeuvre import MOST_STEPS
 from jaxatt.problems.scenario import Disturbances, Horizon
-
-MOST_INTERVALS, MOST_SUBSTEPS, MOST_STEPS = 100_000, 10_000, 10_000_000
-"""Control intervals of a horizon, and Runge-Kutta steps of an interval and of all of them."""
-
 
 _LARGEST_PHASE = 1000.0
 """[rad] of a sinusoidal torque in a control interval."""
@@ -22,7 +19,10 @@ def read_substeps(table: Table, intervals: int = 1) -> int | None:
     """Read the Runge-Kutta steps of an interval; None where they are chosen automatically."""
     if "substeps" not in table:
         return None
-    return table.integer("substeps", at_most=min(MOST_SUBSTEPS, MOST_STEPS // intervals))
+    found, most = table.integer("substeps"), MOST_STEPS // intervals
+    if found > most:
+        table.fail("substeps", f"must be at most {most}", "give a smaller whole number")
+    return found
 
 
 def read_horizon(data: Any, origin: str) -> Horizon:
@@ -30,15 +30,15 @@ def read_horizon(data: Any, origin: str) -> Horizon:
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
     free, shortest, longest = read_final_time(table)
     default = longest if math.isfinite(longest) else None
-    duration = table.number("horizon_s", default, above=0.0, example="70.0")
+    duration = table.number("horizon_s", default)
     if not shortest <= duration <= longest:
         table.fail(
             "horizon_s",
             f"outside the final times allowed, {shortest:g} to {longest:g} seconds",
             "drop it, or change shortest_s or longest_s",
         )
-    intervals = table.integer("intervals", at_most=MOST_INTERVALS)
-    coast = table.integer("coast_intervals", 20, at_least=0, at_most=MOST_INTERVALS)
+    intervals = table.integer("intervals")
+    coast = table.integer("coast_intervals")
     return Horizon(
         duration=duration,
         intervals=intervals,
@@ -53,8 +53,8 @@ def read_horizon(data: Any, origin: str) -> Horizon:
 def read_disturbances(data: Any, origin: str, horizon: Horizon) -> Disturbances:
     """Read the disturbances; a negative sine amplitude is a phase of half a turn."""
     table = Table(data, origin, "[disturbances]", SPACECRAFT_TABLES["disturbances"])
-    torque = table.number("sinusoidal_torque_Nm", 0.0)
-    frequency = table.number("sinusoidal_frequency_rad_s", 1.0, at_least=0.0)
+    torque = table.number("sinusoidal_torque_Nm")
+    frequency = table.number("sinusoidal_frequency_rad_s")
     step = (horizon.longest if horizon.free else horizon.duration) / horizon.intervals
     if torque and frequency * step > _LARGEST_PHASE:
         table.fail(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part, rows
+from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part
 from jaxatt.problems.reading.wheel_axes import read_wheel_axes
 from jaxatt.problems.reading.wheel_speeds import read_avoid
 from jaxatt.spacecraft import (
@@ -31,13 +31,13 @@ def read_wheels(vehicle: Table, notes: list[str]) -> ReactionWheels | None:
     if "wheels" not in vehicle:
         return None
     table = part(vehicle, "wheels")
-    names = table.texts("names", '["roll wheel", "pitch wheel", "yaw wheel"]')
-    failed = table.texts("failed", '["wheel 2"]')
+    names = table.texts("names")
+    failed = table.texts("failed")
     if set(table.data) == {"failed"}:
         table.fail("failed", "the vehicle has no wheels", "drop it")
     axes = read_wheel_axes(table)
-    inertia = table.require("inertia_kgm2", "2.1e-4")
-    limit = table.require("torque_limit_Nm", "3e-3")
+    inertia = table.require("inertia_kgm2")
+    limit = table.require("torque_limit_Nm")
     avoid = read_avoid(table, axes.shape[1])
     motors = {name: table.data[TOML_NAMES[name]] for name in _MOTORS if TOML_NAMES[name] in table}
     whole = checked(
@@ -67,8 +67,8 @@ def read_thrusters(vehicle: Table) -> Thrusters | None:
     if "thrusters" not in vehicle:
         return None
     table = part(vehicle, "thrusters")
-    directions = rows(table, "torque_directions", "thruster")
-    limit = table.require("torque_limit_Nm", "0.195")
+    directions = table.rows("torque_directions")
+    limit = table.require("torque_limit_Nm")
     return checked(
         table,
         lambda: thrusters(
@@ -88,7 +88,7 @@ def read_magnetorquers(vehicle: Table, notes: list[str]) -> Magnetorquers | None
     if "magnetorquers" not in vehicle:
         return None
     table = part(vehicle, "magnetorquers")
-    limit = table.require("dipole_limit_Am2", "0.5")
+    limit = table.require("dipole_limit_Am2")
     built = checked(
         table,
         lambda: magnetorquers(

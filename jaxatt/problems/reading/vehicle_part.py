@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-import numpy as np
-
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import VEHICLE_PARTS
+from jaxatt.problems.reading.tables.vehicle import VEHICLE_PARTS
 from jaxatt.spacecraft import FieldError
-from jaxatt.spacecraft.checks import Float64, as_float
 
 Part = TypeVar("Part")
 
@@ -50,15 +47,3 @@ def split(error: FieldError) -> tuple[str, str]:
     """Return the problem that a constructor found, and the mend."""
     problem, _, mend = error.problem.partition("; ")
     return problem, mend
-
-
-def rows(table: Table, key: str, what: str) -> Float64:
-    """Read a list with one row of three numbers for each part, as columns (3, n)."""
-    given = table.require(key, "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]")
-    if not isinstance(given, list) or not all(isinstance(r, list) and len(r) == 3 for r in given):
-        table.fail(key, f"is not a list of {key}", f"give one row of three numbers for each {what}")
-    try:
-        numbers = [[as_float(item) for item in row] for row in given]
-    except TypeError:
-        table.fail(key, "holds something that is no number", "give plain numbers")
-    return np.array(numbers).reshape(-1, 3).T

@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import LOAD_KEYS
-from jaxatt.problems.reading.vehicle_part import checked, part, rows
+from jaxatt.problems.reading.tables.vehicle import LOADS
+from jaxatt.problems.reading.vehicle_part import checked, part
 from jaxatt.spacecraft import Battery, SolarPanels, battery, solar_panels
-from jaxatt.spacecraft.panels import INCIDENCE
 
 _HOUR = 3600.0
 
@@ -18,11 +17,11 @@ def read_panels(vehicle: Table) -> SolarPanels | None:
     if "panels" not in vehicle:
         return None
     table = part(vehicle, "panels")
-    normals = rows(table, "normals", "panel")
-    area = table.require("area_m2", "[0.03, 0.06, 0.02]")
-    efficiency = table.require("efficiency", "0.2")
+    normals = table.rows("normals")
+    area = table.require("area_m2")
+    efficiency = table.require("efficiency")
     shades = table.integer("shades") - 1 if "shades" in table else None
-    incidence = table.choice("incidence", tuple(INCIDENCE), "cosine")
+    incidence = table.choice("incidence")
     return checked(table, lambda: solar_panels(normals, area, efficiency, shades, incidence))
 
 
@@ -34,15 +33,13 @@ def read_battery(vehicle: Table) -> Battery | None:
     if "battery" not in vehicle:
         return None
     table = part(vehicle, "battery")
-    _one_of(table, ("capacity_Wh", "capacity_J"))
-    _one_of(table, ("charge_percent", "charge_Wh", "charge_J"))
     known = _energy(table, "capacity")
     capacity = math.inf if known is None else known
     charge = _energy(table, "charge")
     if "charge_percent" in table:
         if capacity == math.inf:
             table.fail("charge_percent", "of an unknown capacity", "add capacity_Wh")
-        percent = table.number("charge_percent", at_least=0.0)
+        percent = table.number("charge_percent")
         if percent > 100.0:
             table.fail(
                 "charge_percent",
@@ -73,22 +70,14 @@ def read_loads(vehicle: Table) -> dict[str, float]:
     if "loads" not in vehicle:
         return {}
     table = part(vehicle, "loads")
-    return {
-        key.removesuffix("_W"): table.number(key, at_least=0.0) for key in LOAD_KEYS if key in table
-    }
-
-
-def _one_of(table: Table, keys: tuple[str, ...]) -> None:
-    given = [key for key in keys if key in table]
-    if len(given) > 1:
-        table.fail(given[1], f"given beside {given[0]}", "keep one of the two")
+    return {key.removesuffix("_W"): table.number(key) for key in LOADS if key in table}
 
 
 def _energy(table: Table, name: str) -> float | None:
     if f"{name}_Wh" in table:
-        return _HOUR * table.number(f"{name}_Wh", at_least=0.0)
+        return _HOUR * table.number(f"{name}_Wh")
     if f"{name}_J" in table:
-        return table.number(f"{name}_J", at_least=0.0)
+        return table.number(f"{name}_J")
     return None
 
 

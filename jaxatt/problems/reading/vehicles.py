@@ -9,12 +9,8 @@ from typing import Any
 
 from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import (
-    SPACECRAFT_TABLES,
-    VEHICLE_FILE_KEYS,
-    VEHICLE_PARTS,
-    nearest,
-)
+from jaxatt.problems.reading.schema import nearest
+from jaxatt.problems.reading.tables.vehicle import VEHICLE, VEHICLE_FILE_KEYS, VEHICLE_PARTS
 from jaxatt.problems.reading.vehicle_actuators import (
     read_magnetorquers,
     read_thrusters,
@@ -39,6 +35,12 @@ def vehicle_names() -> tuple[str, ...]:
 def load_vehicle(name: str) -> Spacecraft:
     """Return a bundled vehicle, e.g. ``load_vehicle("hypso1")``."""
     return read_vehicle({"use": name}, "load_vehicle", None, [], magnetorquers_alone=True)
+
+
+def load_vehicle_file(path: Path) -> Spacecraft:
+    """Return the vehicle of a file of its own."""
+    data = {"file": path.name}
+    return read_vehicle(data, str(path), path.parent, [], magnetorquers_alone=True)
 
 
 def read_vehicle(
@@ -74,12 +76,10 @@ def whole_vehicle(data: Any, origin: str, folder: Path | None) -> dict[str, Any]
 
     Arguments as for `read_vehicle`.
     """
-    table = Table(data, origin, "[vehicle]", SPACECRAFT_TABLES["vehicle"])
+    table = Table(data, origin, "[vehicle]", VEHICLE)
     for name, keys in VEHICLE_PARTS.items():
         if name in table:
             Table(table.data[name], origin, f"[vehicle.{name}]", keys)
-    if "use" in table and "file" in table:
-        table.fail("file", "given beside use", "keep one of the two and drop the other")
     base: dict[str, Any] = {}
     if "use" in table:
         base = _bundled(table)
@@ -123,7 +123,7 @@ def _from_file(table: Table, folder: Path | None) -> dict[str, Any]:
 
 
 def _build(table: Table, notes: list[str], magnetorquers_alone: bool) -> Spacecraft:
-    table.require("inertia_kgm2", "[[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]")
+    table.require("inertia_kgm2")
     if "wheels" not in table and "thrusters" not in table:
         if "magnetorquers" in table and not magnetorquers_alone:
             table.fail(
@@ -132,7 +132,7 @@ def _build(table: Table, notes: list[str], magnetorquers_alone: bool) -> Spacecr
                 "add [vehicle.wheels] or [vehicle.thrusters]",
             )
         if "magnetorquers" not in table:
-            table.require("wheels", "{ axes = [...], ... }")
+            table.require("wheels")
     name = table.text("name", "spacecraft")
     table.text("title", " ")
     table.text("source", " ")

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.vehicle_part import rows
 from jaxatt.spacecraft.checks import Float64, finite_array
 
 VECTORS, ANGLES = ("axes",), ("azimuth_deg", "elevation_deg")
@@ -29,7 +28,7 @@ def read_wheel_axes(table: Table) -> Float64:
     """
     given = [key for key in ANGLES if key in table]
     if not given:
-        return rows(table, "axes", "wheel")
+        return table.rows("axes")
     if "axes" in table:
         table.fail(given[0], "given beside axes", "keep one of the two and drop the other")
     azimuth = _angles(table, "azimuth_deg", "[45.0, 135.0, 225.0, 315.0]")
@@ -47,7 +46,7 @@ def read_wheel_axes(table: Table) -> Float64:
 
 
 def _angles(table: Table, key: str, example: str) -> Float64:
-    given: Any = table.require(key, example)
+    given: Any = table.require(key)
     try:
         return finite_array(key, given)
     except ValueError:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AVOID_KEYS
+from jaxatt.problems.reading.tables.vehicle import AVOID_KEYS
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import ReactionWheels
 from jaxatt.spacecraft.checks import FieldError
@@ -37,8 +37,8 @@ def read_avoid(wheels: Table, count: int) -> list[tuple[Any, Any, Any]]:
 
 def _band(data: Any, label: str, origin: str, count: int) -> tuple[Any, Any, Any]:
     table = Table(data, origin, label, AVOID_KEYS)
-    stay = table.number("leave_within_s", 0.0, above=0.0)
-    slowest, fastest = table.data.get("from_rad_s", 0.0), table.require("to_rad_s", "20.0")
+    stay = table.number("leave_within_s", 0.0)
+    slowest, fastest = table.data.get("from_rad_s", 0.0), table.require("to_rad_s")
     band = slowest, fastest, stay
     try:
         speed_bands([band], count)

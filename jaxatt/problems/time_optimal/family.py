@@ -10,13 +10,13 @@ import numpy as np
 
 from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
-from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import SPACECRAFT, Scenario
+from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sensitive import OptimalObjective, SensitiveAnswer
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
 from jaxatt.problems.time_optimal.effort_path import effort_path
+from jaxatt.problems.time_optimal.file_format import FORMAT
 from jaxatt.problems.time_optimal.phase import build_time_task, time_record
-from jaxatt.problems.time_optimal.reading import TIME_KINDS, read_time_optimal
+from jaxatt.problems.time_optimal.reading import read_time_optimal
 from jaxatt.problems.time_optimal.report.sections import TIME_OPTIMAL
 from jaxatt.problems.time_optimal.search import FreeTimeFound, search_free_time
 from jaxatt.problems.time_optimal.sensitive import objective_of_turn, sensitive_turn
@@ -40,10 +40,10 @@ class TimeAnswer(NamedTuple):
 class TimeOptimal(Family):
     """Family of turns whose final time is found: minimum time, or time and effort."""
 
-    name = "time-optimal"
-    systems = (SPACECRAFT,)
-    kinds = TIME_KINDS
-    tables = SPACECRAFT_TABLES
+    name = FORMAT.name
+    systems = FORMAT.systems
+    kinds = FORMAT.kinds
+    tables = FORMAT.tables
     sections = TIME_OPTIMAL
     mapped = ("final_time_s",)
 

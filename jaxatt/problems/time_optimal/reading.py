@@ -18,15 +18,13 @@ from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.moments import moments_of
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.tables.objective import TIME_KINDS
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Control, Horizon, Objective, Scenario, Transcription
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
 from jaxatt.spacecraft.scale import largest_torque_limit
 from jaxatt.spacecraft.wheels import storage_share
-
-TIME_KINDS = ("time-effort", "minimum-time")
-"""Values of `objective.kind`."""
 
 _COMPARED = {"final_time_s": 1, "final_time_below_s": 1, "step_s": 1}
 _PRINTED = {kind: _COMPARED for kind in TIME_KINDS}
@@ -55,9 +53,7 @@ _ELSEWHERE = {
 
 def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(
-        document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"), _PRINTED
-    )
+    heading = read_heading(document, origin, SPACECRAFT_TABLES, _PRINTED)
     if "other_target" in heading.printed:
         manoeuvre.read_target(
             heading.printed["other_target"], origin, "[printed.other_target]", [], Sky()
@@ -107,7 +103,7 @@ def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) 
     for name, reason in _ELSEWHERE.items():
         if name in document:
             raise ScenarioError(f"{origin}: {name}: not with kind = {kind}; {reason}, drop it")
-    if objective.choice("terminal", ("reach", "penalty"), "reach") == "penalty":
+    if objective.choice("terminal") == "penalty":
         objective.fail("terminal", f"kind = {kind} always reaches", 'use "reach" or leave it out')
     for key in _SPARSE_KEYS:
         if key in objective:
@@ -118,9 +114,9 @@ def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) 
 
 def _read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
     table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
-    kind = table.choice("kind", TIME_KINDS, TIME_KINDS[0])
+    kind = table.choice("kind")
     usual = _DEFAULT_WEIGHT * (_TORQUE_LIMIT / largest_torque_limit(vehicle)) ** 2
-    weight = table.number("effort_weight", usual, at_least=0.0)
+    weight = table.number("effort_weight", usual)
     return Objective(
         kind=kind,
         effort_weight=weight if kind == "time-effort" else 0.0,
@@ -130,7 +126,7 @@ def _read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
 def _read_horizon(data: Any, origin: str) -> Horizon:
     """Read a horizon whose time is found: the number of intervals, and limits of the time."""
     table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
-    if table.choice("final_time", ("fixed", "free"), "free") == "fixed":
+    if table.choice("final_time", "free") == "fixed":
         table.fail("final_time", "this objective finds the final time", 'use "free" or drop it')
     for key, mend in (
         ("horizon_s", "drop it; shortest_s and longest_s limit it"),
@@ -139,7 +135,7 @@ def _read_horizon(data: Any, origin: str) -> Horizon:
         if key in table:
             table.fail(key, "this objective finds the final time, and nothing follows it", mend)
     _, shortest, longest = read_final_time(table, "free")
-    intervals = table.integer("intervals", at_most=settings.MOST_INTERVALS)
+    intervals = table.integer("intervals")
     return Horizon(
         duration=longest,
         intervals=intervals,
@@ -155,8 +151,8 @@ def _read_transcription(data: Any, origin: str) -> Transcription:
     """Read the attitude coordinates and the integration method."""
     table = Table(data, origin, "[transcription]", SPACECRAFT_TABLES["transcription"])
     return Transcription(
-        attitude=table.choice("attitude", ("quaternion", "mrp"), "quaternion"),
-        integration=table.choice("integration", ("rk4", "euler"), "rk4"),
+        attitude=table.choice("attitude"),
+        integration=table.choice("integration"),
     )
 
 

@@ -10,22 +10,22 @@ from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.hands_off.family import SparseFamily
 from jaxatt.problems.hands_off.phase_search import Build
 from jaxatt.problems.hands_off.task import Flown
-from jaxatt.problems.reading.schema import TOY_TABLES
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.toy.build import build_toy
+from jaxatt.problems.toy.file_format import FORMAT
 from jaxatt.problems.toy.flight import fly_toy
 from jaxatt.problems.toy.reading import read_toy
 from jaxatt.problems.toy.report import TOY
-from jaxatt.problems.toy.task import SYSTEMS, ToyTask
+from jaxatt.problems.toy.task import ToyTask
 from jaxatt.runtime.arrays import Floats
 
 
 class Toy(SparseFamily):
     """Family of sparse control of the double integrator and the Van der Pol oscillator."""
 
-    name = "toy"
-    systems = tuple(SYSTEMS)
-    tables = TOY_TABLES
+    name = FORMAT.name
+    systems = FORMAT.systems
+    tables = FORMAT.tables
     sections = TOY
 
     def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:

@@ -8,22 +8,21 @@ from typing import Any
 
 import numpy as np
 
-from jaxatt.problems.hands_off.reading.objective import PRINTED, SPARSE_KINDS, check_free_time
+from jaxatt.problems.hands_off.reading.objective import PRINTED, check_free_time
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading import settings
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.heading import read_heading
-from jaxatt.problems.reading.schema import TOY_TABLES
 from jaxatt.problems.scenario import Control, Objective, Scenario
+from jaxatt.problems.toy.tables import TOY_TABLES
 
-_STATES = 2
 _NO_ATTITUDE = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def read_toy(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, TOY_TABLES, ("initial", "horizon"), PRINTED)
+    heading = read_heading(document, origin, TOY_TABLES, PRINTED)
     objective = _read_objective(document.get("objective", {}), origin)
     horizon = settings.read_horizon(document["horizon"], origin)
     check_free_time(document, origin, horizon, objective)
@@ -37,21 +36,19 @@ def read_toy(document: dict[str, Any], origin: str, folder: Path | None) -> Scen
     return Scenario(
         **vars(heading),
         family="toy",
-        initial=InitialState(
-            _NO_ATTITUDE, np.zeros(3), np.zeros(0), initial.vector("state", _STATES)
-        ),
+        initial=InitialState(_NO_ATTITUDE, np.zeros(3), np.zeros(0), initial.vector("state")),
         targets=(
             Target(
                 _NO_ATTITUDE,
                 np.zeros(3),
                 math.pi,
                 math.inf,
-                target.vector("state", _STATES),
-                target.number("tolerance", 1e-6, above=0.0),
+                target.vector("state"),
+                target.number("tolerance"),
             ),
         ),
         horizon=horizon,
-        control=Control("body", control.number("limit", 1.0, above=0.0)),
+        control=Control("body", control.number("limit")),
         objective=objective,
         windows=windows,
         notes=tuple(notes),
@@ -63,11 +60,11 @@ def read_toy(document: dict[str, Any], origin: str, folder: Path | None) -> Scen
 
 def _read_objective(data: Any, origin: str) -> Objective:
     table = Table(data, origin, "[objective]", TOY_TABLES["objective"])
-    kind = table.choice("kind", SPARSE_KINDS, SPARSE_KINDS[0])
-    if table.choice("terminal", ("reach", "penalty"), "reach") == "penalty":
+    kind = table.choice("kind")
+    if table.choice("terminal") == "penalty":
         table.fail("terminal", "the toy systems have no printed penalty", 'use terminal = "reach"')
     return Objective(
         kind=kind,
-        epsilon=table.number("epsilon", 1e-6, above=0.0),  # section 3.7.5
-        time_weight=table.number("time_weight_1_s", 0.0, at_least=0.0),
+        epsilon=table.number("epsilon"),  # section 3.7.5
+        time_weight=table.number("time_weight_1_s"),
     )

@@ -12,7 +12,8 @@ import scipy
 
 from jaxatt.runtime.arrays import Floats
 from jaxatt.studies.design.evaluate import Evaluation, Evaluator
-from jaxatt.studies.design.study import MEAN, DesignStudy
+from jaxatt.studies.design.study import DesignStudy
+from jaxatt.studies.tables import MEAN
 
 MET = 1e-5
 """Relative excess over a limit that counts as none."""

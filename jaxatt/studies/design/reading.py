@@ -9,36 +9,24 @@ from typing import Any
 import numpy as np
 
 from jaxatt import scenarios
+from jaxatt.problems.reading.checking import refuse_faults
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
-from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.reading.names import read_name
+from jaxatt.problems.reading.schema import nearest
 from jaxatt.problems.registry import family_of
 from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.loader import plain_values
 from jaxatt.studies.attitude_map.targets import map_targets
-from jaxatt.studies.design.study import MEAN, WORST, DesignStudy
+from jaxatt.studies.design.study import DesignStudy
 from jaxatt.studies.sweep.numbers import whole_document
 from jaxatt.studies.sweep.reading import read_base, read_study_file
 from jaxatt.studies.sweep.study import Varied
 from jaxatt.studies.sweep.vary import check_apart, read_varied
+from jaxatt.studies.tables import DESIGN_KEYS, LIMIT
 
-_TOP = (
-    "name",
-    "title",
-    "scenario",
-    "fixed",
-    "minimise",
-    "at_most",
-    "over",
-    "targets",
-    "points",
-    "seed",
-    "design",
-)
 _UNLIKE_SWEEPS = ("values", "count", "whole")
-_MOST_POINTS, _MOST_TARGETS = 10_000, 10_000
 _POINTS_EACH = 4
 
 
@@ -66,7 +54,8 @@ def read_design(
     folder : where the scenario's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    top = Table(plain, origin, "", _TOP)
+    refuse_faults(plain, origin, DESIGN_KEYS)
+    top = Table(plain, origin, "", DESIGN_KEYS)
     name = read_name(top)
     scenario, fixed = read_base(top, folder, changes)
     measure = _measure(scenario, origin)
@@ -82,10 +71,10 @@ def read_design(
         measure=measure,
         minimised=minimised,
         at_most=at_most,
-        over=top.choice("over", (WORST, MEAN), WORST),
+        over=top.choice("over"),
         targets=_targets(top, scenario),
-        points=top.integer("points", _POINTS_EACH * len(variables), at_most=_MOST_POINTS),
-        seed=top.integer("seed", 0, at_least=0, at_most=MOST_SEED),
+        points=top.integer("points", _POINTS_EACH * len(variables)),
+        seed=top.integer("seed"),
         document={**plain, "fixed": fixed},
     )
 
@@ -108,7 +97,7 @@ def _measure(scenario: Scenario, origin: str) -> str:
 
 
 def _variables(top: Table, scenario: Scenario) -> tuple[Varied, ...]:
-    entries = top.require("design", '"..."')
+    entries = top.require("design")
     if not isinstance(entries, list) or not entries:
         top.fail("design", "is no list of tables", "write one [[design]] for every number")
     whole = whole_document(scenario)
@@ -117,8 +106,8 @@ def _variables(top: Table, scenario: Scenario) -> tuple[Varied, ...]:
         for key in _UNLIKE_SWEEPS:
             if isinstance(entry, dict) and key in entry:
                 raise ScenarioError(
-                    f"{top.origin}: [[design]] {k + 1} {key} = {shown(entry[key])}: is for sweeps; "
-                    "a design is looked for between two numbers, write from and to"
+                    f"{top.origin}: [[design]] no. {k + 1} {key} = {shown(entry[key])}: is for "
+                    "sweeps; a design is looked for between two numbers, write from and to"
                 )
         found.append(read_varied(entry, k, top.origin, "design", "descent", scenario, whole))
     check_apart(found, top.origin, "design")
@@ -130,7 +119,12 @@ def _goal(
 ) -> tuple[int | None, float | None]:
     """Index of the variable that is minimised and the limit of the measure, or neither."""
     names = tuple(variable.name for variable in variables)
-    minimise = top.choice("minimise", (measure, *names), measure)
+    minimise = top.text("minimise", measure)
+    if minimise not in (measure, *names):
+        near = nearest(minimise, (measure, *names))
+        hint = f"did you mean '{near}'? " if near else ""
+        allowed = f"{hint}allowed: {', '.join((measure, *names))}"
+        top.fail("minimise", "not one of the choices", allowed)
     if minimise == measure:
         if "at_most" in top:
             top.fail(
@@ -143,8 +137,8 @@ def _goal(
             "needs a limit, or the least is the end of its range",
             f"add at_most = {{ {measure} = 40.0 }}",
         )
-    limits = Table(top.data["at_most"], top.origin, "[at_most]", (measure,))
-    return names.index(minimise), limits.number(measure, above=0.0, example="40.0")
+    limits = Table(top.data["at_most"], top.origin, "[at_most]", {measure: LIMIT})
+    return names.index(minimise), limits.number(measure)
 
 
 def _targets(top: Table, scenario: Scenario) -> Floats:
@@ -153,7 +147,7 @@ def _targets(top: Table, scenario: Scenario) -> Floats:
     if given is None:
         return np.asarray(scenario.targets[0].q_ob)[None]
     if not isinstance(given, list):
-        return map_targets(scenario, top.integer("targets", at_most=_MOST_TARGETS)).q_ob
+        return map_targets(scenario, top.integer("targets")).q_ob
     if not given or not all(isinstance(each, dict) and each for each in given):
         top.fail(
             "targets",

@@ -21,7 +21,8 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.files import filling
 from jaxatt.runtime.json_files import write_json
 from jaxatt.studies.design.evaluate import Evaluation
-from jaxatt.studies.design.study import WORST, DesignStudy
+from jaxatt.studies.design.study import DesignStudy
+from jaxatt.studies.tables import WORST
 
 if TYPE_CHECKING:
     from jaxatt.drawing.picture import Picture

@@ -13,8 +13,7 @@ from jaxatt.problems.scenario import Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.loader import from_mapping
 from jaxatt.studies.sweep.study import Varied
-
-MEAN, WORST = "mean", "worst"
+from jaxatt.studies.tables import MEAN
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from jaxatt.problems.reading.fields import ScenarioError, shown
-from jaxatt.problems.reading.schema import VEHICLE_PARTS, nearest
+from jaxatt.problems.reading.schema import nearest
+from jaxatt.problems.reading.tables.vehicle import VEHICLE_PARTS
 from jaxatt.problems.reading.vehicles import whole_vehicle
 from jaxatt.problems.registry import family_of
 from jaxatt.problems.scenario import Scenario

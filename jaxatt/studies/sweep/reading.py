@@ -10,21 +10,19 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt import scenarios
+from jaxatt.problems.reading.checking import refuse_faults
 from jaxatt.problems.reading.documents import parse, read_file
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
-from jaxatt.problems.reading.heading import MOST_SEED
 from jaxatt.problems.reading.names import read_name
 from jaxatt.report.numbers import CLOCK
 from jaxatt.runtime.arrays import Floats
 from jaxatt.scenarios.bundled import suggestion
 from jaxatt.scenarios.loader import plain_values
 from jaxatt.studies.sweep.numbers import whole_document
-from jaxatt.studies.sweep.samples import METHODS, MOST, Range, grid, notes, scattered
+from jaxatt.studies.sweep.samples import Range, grid, notes, scattered
 from jaxatt.studies.sweep.study import Base, Study
 from jaxatt.studies.sweep.vary import check_apart, read_varied
-
-_TOP = ("name", "title", "scenario", "outputs", "against", "chunk", "fixed", "sampling", "vary")
-_SAMPLING = ("method", "samples", "seed")
+from jaxatt.studies.tables import MOST_SAMPLES, SAMPLING, STUDY_KEYS
 
 
 def load_study(name_or_path: str | Path, changes: Mapping[str, Any] | None = None) -> Study:
@@ -67,25 +65,26 @@ def read_study(
     folder : where the scenario's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    top = Table(plain, origin, "", _TOP)
+    refuse_faults(plain, origin, STUDY_KEYS)
+    top = Table(plain, origin, "", STUDY_KEYS)
     name = read_name(top)
     bases, fixed = _bases(plain, top, folder, changes)
 
-    sampling = Table(plain.get("sampling", {}), origin, "[sampling]", _SAMPLING)
-    method = sampling.choice("method", METHODS, "grid")
-    entries = top.require("vary", '"..."')
+    sampling = Table(plain.get("sampling", {}), origin, "[sampling]", SAMPLING)
+    method = sampling.choice("method")
+    entries = top.require("vary")
     if not isinstance(entries, list) or not entries:
         top.fail("vary", "is no list of tables", "write one [[vary]] for every swept number")
     bases = tuple(_varying(base, entries, method, origin) for base in bases)
     values, remarks = _samples(sampling, method, [v.range for v in bases[0].varied])
     count = len(bases) * len(values)
-    if count > MOST:
+    if count > MOST_SAMPLES:
         raise ScenarioError(
-            f"{origin}: scenario: {len(bases)} scenarios make {count} samples; at most {MOST} are "
-            "made"
+            f"{origin}: scenario: {len(bases)} scenarios make {count} samples; at most "
+            f"{MOST_SAMPLES} are made"
         )
     # A few hundred chunks: little is lost with a chunk, and few files are made.
-    chunk = top.integer("chunk", max(1, min(256, -(-count // 256))), at_most=MOST)
+    chunk = top.integer("chunk", max(1, min(256, -(-count // 256))))
     outputs = _outputs(top)
     study = Study(
         name=name,
@@ -120,7 +119,7 @@ def _bases(
         top.fail("scenario", "is no list of names", "write names of scenarios in quotes")
     bases: list[Base] = []
     for name in given:
-        one = Table({**plain, "scenario": name}, top.origin, "", _TOP)
+        one = Table({**plain, "scenario": name}, top.origin, "", STUDY_KEYS)
         scenario, fixed = read_base(one, folder, changes)
         if scenario.name in [base.scenario.name for base in bases]:
             top.fail("scenario", f"names {scenario.name} twice", "keep one of them")
@@ -141,8 +140,8 @@ def _varying(base: Base, entries: Sequence[Any], method: str, origin: str) -> Ba
 def _samples(table: Table, method: str, ranges: Sequence[Range]) -> tuple[Floats, tuple[str, ...]]:
     """Samples (S, D) of [sampling], and remarks on their number."""
     if method != "grid":
-        count = table.integer("samples", at_most=MOST)
-        seed = table.integer("seed", 0, at_least=0, at_most=MOST_SEED)
+        count = table.integer("samples")
+        seed = table.integer("seed")
         return scattered(method, ranges, count, seed), notes(method, count)
     for key in ("samples", "seed"):
         if key in table:
@@ -171,7 +170,7 @@ def _scenario(name: str, top: Table, folder: Path | None) -> scenarios.Scenario:
 
 
 def _outputs(top: Table) -> tuple[str, ...]:
-    value = top.require("outputs", '["active_intervals", "l1_effort_Nms"]')
+    value = top.require("outputs")
     if not isinstance(value, list) or not value or not all(isinstance(v, str) for v in value):
         top.fail("outputs", "is no list of names", "write names of summary.json in quotes")
     for name in value:

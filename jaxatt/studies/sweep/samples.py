@@ -11,10 +11,7 @@ import numpy as np
 
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
-
-METHODS = ("grid", "random", "latin-hypercube", "sobol")
-MOST = 10_000_000
-"""Samples of one sweep."""
+from jaxatt.studies.tables import MOST_SAMPLES
 
 _FAR = 20.0
 """Ratio of greatest to least of listed values from which they are drawn on a logarithmic axis."""
@@ -70,9 +67,11 @@ def grid(ranges: Sequence[Range]) -> Floats:
     """All combinations, (S, D); the last quantity changes fastest."""
     levels = [each.levels() for each in ranges]
     count = math.prod(len(each) for each in levels)
-    if count > MOST:
+    if count > MOST_SAMPLES:
         sizes = " x ".join(str(len(each)) for each in levels)
-        raise ScenarioError(f"a grid of {sizes} has {count} samples; at most {MOST} are made")
+        raise ScenarioError(
+            f"a grid of {sizes} has {count} samples; at most {MOST_SAMPLES} are made"
+        )
     return np.stack([axis.ravel() for axis in np.meshgrid(*levels, indexing="ij")], axis=1)
 
 

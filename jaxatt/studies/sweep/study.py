@@ -20,8 +20,6 @@ from jaxatt.runtime.arrays import Floats
 from jaxatt.studies.sweep.numbers import Place, set_at, value_at
 from jaxatt.studies.sweep.samples import Range
 
-CHANGES = ("set", "multiply", "add")
-
 SCENARIO, STATE, REASON = "scenario", "state", "reason"
 REACHED, NOT_REACHED, FAILED = 1, 2, 3
 _MEANINGS = "not_computed reached not_reached failed"

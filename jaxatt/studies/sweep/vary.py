@@ -11,10 +11,9 @@ from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.scenario import Scenario
 from jaxatt.spacecraft.checks import as_float
 from jaxatt.studies.sweep.numbers import EVERY, places, value_at
-from jaxatt.studies.sweep.samples import MOST, Range
-from jaxatt.studies.sweep.study import CHANGES, Varied
-
-_KEYS = ("field", "name", "change", "values", "from", "to", "count", "spacing", "whole")
+from jaxatt.studies.sweep.samples import Range
+from jaxatt.studies.sweep.study import Varied
+from jaxatt.studies.tables import VARY
 
 
 def read_varied(
@@ -31,12 +30,12 @@ def read_varied(
     kind : name of such tables, "vary" or "design".  method : of the samples.
     whole : document of the scenario, its vehicle written out.
     """
-    table = Table(data, origin, f"[[{kind}]] {index + 1}", _KEYS)
-    given = table.require("field", '"vehicle.wheels.torque_limit_Nm"')
+    table = Table(data, origin, f"[[{kind}]] no. {index + 1}", VARY)
+    given = table.require("field")
     fields = given if isinstance(given, list) else [given]
     if not fields or not all(isinstance(field, str) for field in fields):
         table.fail("field", "is no name", "write the name of a number, or a list of such names")
-    change = table.choice("change", CHANGES, "set")
+    change = table.choice("change")
     try:
         found = [place for field in fields for place in places(scenario, whole, field)]
     except ScenarioError as error:
@@ -57,13 +56,13 @@ def check_apart(varied: Sequence[Varied], origin: str, kind: str) -> None:
     for k, one in enumerate(varied):
         if one.name in names[:k]:
             raise ScenarioError(
-                f"{origin}: [[{kind}]] {k + 1} name = {one.name}: is the name of another one; give "
-                'it a name of its own with name = "..."'
+                f"{origin}: [[{kind}]] no. {k + 1} name = {one.name}: is the name of another one; "
+                'give it a name of its own with name = "..."'
             )
         for other in varied[:k]:
             if one.change == other.change == "set" and set(one.places) & set(other.places):
                 raise ScenarioError(
-                    f"{origin}: [[{kind}]] {k + 1} field = {one.fields[0]}: is set by "
+                    f"{origin}: [[{kind}]] no. {k + 1} field = {one.fields[0]}: is set by "
                     f"{other.name} already; drop one of them"
                 )
 
@@ -76,21 +75,18 @@ def _default_name(field: str, change: str) -> str:
 
 def _range(table: Table, method: str) -> Range:
     if "values" in table:
-        for key in ("from", "to", "count", "spacing"):
-            if key in table:
-                table.fail(key, "given beside values", "keep one of the two")
         return _listed(table)
-    low, high = table.number("from", example="1.0"), table.number("to", example="2.0")
+    low, high = table.number("from"), table.number("to")
     if not high > low:
         table.fail("to", f"is not above from = {low:g}", "exchange the two")
     whole = table.flag("whole")
     if whole and not (low.is_integer() and high.is_integer()):
         table.fail("whole", "from and to are no whole numbers", "give whole numbers")
-    logarithmic = table.choice("spacing", ("linear", "logarithmic"), "linear") == "logarithmic"
+    logarithmic = table.choice("spacing") == "logarithmic"
     if logarithmic and (low <= 0.0 or whole):
         table.fail("spacing", "needs from above zero, and no whole", 'use spacing = "linear"')
     if method == "grid":
-        count = table.integer("count", at_least=2, at_most=MOST)
+        count = table.integer("count")
     elif "count" in table:
         table.fail("count", f'has no meaning for method = "{method}"', "write samples instead")
     else:

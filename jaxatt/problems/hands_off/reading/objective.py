@@ -8,12 +8,10 @@ from typing import Any
 
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
+from jaxatt.problems.reading.tables.objective import SPARSE_KINDS
 from jaxatt.problems.scenario import Horizon, Objective
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.scale import largest_torque_limit
-
-SPARSE_KINDS = ("l0", "moving-l0", "l1")
-"""Values of `objective.kind`; the first is the default."""
 
 _TORQUE_LIMIT, _EPSILON, _SPARSITY_WEIGHT = 3e-3, 1e-8, 1e1
 """Of the wheels [N m], relaxation [N m] and k3 of Schaanning (2021), section 5.1 and table 5.1."""
@@ -34,10 +32,10 @@ def read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
     Those in units of torque are for its wheels, and in proportion for the vehicle's actuators.
     """
     table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
-    kind = table.choice("kind", SPARSE_KINDS, SPARSE_KINDS[0])
+    kind = table.choice("kind")
     if "effort_weight" in table:
         table.fail("effort_weight", f"not used by kind = {kind}", 'use kind = "time-effort"')
-    design = table.integer("design", 1)
+    design = table.integer("design")
     if design > 3:
         table.fail("design", "not one of the designs", "allowed: 1, 2, 3")
     stronger = largest_torque_limit(vehicle) / _TORQUE_LIMIT
@@ -45,16 +43,16 @@ def read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
     sparsity = _SPARSITY_WEIGHT / (stronger if kind == "l1" else 1.0)
     return Objective(
         kind=kind,
-        terminal=table.choice("terminal", ("reach", "penalty"), "reach"),
+        terminal=table.choice("terminal"),
         design=design,
-        epsilon=table.number("epsilon_Nm", _EPSILON * stronger, above=0.0),
-        rate_weight=table.number("rate_weight_s2", 1e6, at_least=0.0),
-        attitude_weight=table.number("attitude_weight", 1e2, at_least=0.0),
-        sparsity_weight=table.number("sparsity_weight", sparsity, at_least=0.0),
-        waypoint_weight=table.number("waypoint_weight", 1e2, at_least=0.0),
-        on_off_weight=table.number("on_off_weight", 0.0, at_least=0.0),
-        on_off_form=table.choice("on_off_form", ("active", "printed"), "active"),
-        time_weight=table.number("time_weight_1_s", 0.0, at_least=0.0),
+        epsilon=table.number("epsilon_Nm", _EPSILON * stronger),
+        rate_weight=table.number("rate_weight_s2"),
+        attitude_weight=table.number("attitude_weight"),
+        sparsity_weight=table.number("sparsity_weight", sparsity),
+        waypoint_weight=table.number("waypoint_weight"),
+        on_off_weight=table.number("on_off_weight"),
+        on_off_form=table.choice("on_off_form"),
+        time_weight=table.number("time_weight_1_s"),
     )
 
 

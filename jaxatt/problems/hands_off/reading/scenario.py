@@ -21,14 +21,10 @@ from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.scenario import Control, Horizon, Scenario
 from jaxatt.spacecraft import Spacecraft
 
-QUANTISATIONS = ("pulse-width", "interval", "none")
-
 
 def read_hands_off(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(
-        document, origin, SPACECRAFT_TABLES, ("vehicle", "initial", "horizon"), PRINTED
-    )
+    heading = read_heading(document, origin, SPACECRAFT_TABLES, PRINTED)
     notes: list[str] = []
     vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
     objective = read_objective(document.get("objective", {}), origin, vehicle)
@@ -122,10 +118,10 @@ def _read_control(data: Any, origin: str, vehicle: Spacecraft) -> Control:
     if vehicle.thrusters.count == 0:
         if "quantisation" in table:
             table.fail("quantisation", "the vehicle has no thrusters", "drop it")
-        return Control(table.choice("axes", ("body", "wheels"), "body"), math.inf)
-    axes = table.choice("axes", ("body", "wheels"), "wheels")
+        return Control(table.choice("axes", "body"), math.inf)
+    axes = table.choice("axes", "wheels")
     if axes == "body":
         table.fail(
             "axes", "thrusters are optimised one by one", 'use axes = "wheels" or leave it out'
         )
-    return Control(axes, math.inf, table.choice("quantisation", QUANTISATIONS, QUANTISATIONS[0]))
+    return Control(axes, math.inf, table.choice("quantisation", "pulse-width"))

@@ -29,7 +29,7 @@ def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]
         forbidden = table.flag("forbidden")
         if forbidden and "weight" in table:
             table.fail("weight", "given for a forbidden window", "drop weight or forbidden")
-        weight = 1.0 if forbidden else table.number("weight", 0.001, at_least=0.0)
+        weight = 1.0 if forbidden else table.number("weight")
         windows.append(Window(first, last, weight, forbidden))
     blocked = interval_mask(tuple(w for w in windows if w.forbidden), horizon.intervals)
     if blocked.all():
@@ -51,8 +51,8 @@ def _range(table: Table, horizon: Horizon) -> tuple[int, int]:
             key = "start_s" if "start_s" in table else "end_s"
             refuse_seconds(table, key, "first_interval = ... and last_interval = ...")
         return _range_by_time(table, horizon)
-    first = table.integer("first_interval", at_least=0)
-    last = table.integer("last_interval", at_least=0)
+    first = table.integer("first_interval")
+    last = table.integer("last_interval")
     count = horizon.intervals
     for key, value in (("first_interval", first), ("last_interval", last)):
         if value >= count:
@@ -67,8 +67,8 @@ def _range(table: Table, horizon: Horizon) -> tuple[int, int]:
 
 
 def _range_by_time(table: Table, horizon: Horizon) -> tuple[int, int]:
-    start = table.number("start_s", example="28.0")
-    end = table.number("end_s", example="42.0")
+    start = table.number("start_s")
+    end = table.number("end_s")
     for key, value in (("start_s", start), ("end_s", end)):
         if not -_TIME_TOLERANCE <= value <= horizon.duration + _TIME_TOLERANCE:
             table.fail(

@@ -6,13 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from jaxatt.problems.net_power.plan.modes import HARVEST
 from jaxatt.problems.net_power.pose import Pose
 from jaxatt.runtime.arrays import Floats
-
-HARVEST, IMAGE, COMMUNICATE, IDLE = "harvest", "image", "communicate", "idle"
-MODES = (HARVEST, IMAGE, COMMUNICATE, IDLE)
-"""Modes of operation: earn energy on the way to the next task, turn over a target while taking an
-image, point at a ground station, and wait."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +23,7 @@ class Site:
 class Task:
     """One task of a plan.
 
-    mode : one of `MODES`.  start, duration : [s], since the epoch of the plan.
+    mode : one of `modes.MODES`.  start, duration : [s], since the epoch of the plan.
     intervals : of control, of equal length.
     pose : with which the task begins, and at whose rate it goes on; None for a harvest, and for an
     idle that waits where it is.

@@ -6,15 +6,10 @@ from typing import Any
 
 from jaxatt.problems.net_power.baseline import PDBaseline
 from jaxatt.problems.net_power.options import Weights
-from jaxatt.problems.net_power.reading.tables import NET_POWER_TABLES
+from jaxatt.problems.net_power.reading.tables import KIND, NET_POWER_TABLES
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.scenario import Objective
 from jaxatt.spacecraft import Spacecraft
-
-KIND = "net-power"
-"""Value of `objective.kind`."""
-WHEEL_POWERS = ("signed", "body", "wheels")
-COSTS = ("energy", "mean-power")
 
 
 def read_objective(
@@ -22,9 +17,9 @@ def read_objective(
 ) -> tuple[Objective, str, str, Weights]:
     """Read [objective]: what every objective has, wheel power, cost and weights."""
     table = Table(data, origin, "[objective]", NET_POWER_TABLES["objective"])
-    table.choice("kind", (KIND,), KIND)
-    terminal = table.choice("terminal", ("reach", "penalty"), "reach")
-    cost = table.choice("cost", COSTS, "energy")
+    table.choice("kind")
+    terminal = table.choice("terminal")
+    cost = table.choice("cost")
     if cost == "mean-power" and not free_time:
         table.fail("cost", "in fixed time it is the same as energy", 'use "energy" or leave it out')
     if "wheel_power" in table and not craft.wheels.count:
@@ -43,12 +38,9 @@ def read_objective(
     for key in asked:
         if key in table and terminal == "reach":
             table.fail(key, 'terminal = "reach" has no weights', 'drop it, or use "penalty"')
-    attitude, rate = (
-        table.number(key, at_least=0.0, example="3.75e4") if terminal == "penalty" else 0.0
-        for key in asked
-    )
-    weights = Weights(attitude, rate, table.number("time_weight_W_s", 0.0, at_least=0.0))
-    wheel_power = table.choice("wheel_power", WHEEL_POWERS, "wheels")
+    attitude, rate = (table.number(key) if terminal == "penalty" else 0.0 for key in asked)
+    weights = Weights(attitude, rate, table.number("time_weight_W_s"))
+    wheel_power = table.choice("wheel_power")
     return Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights
 
 
@@ -60,9 +52,9 @@ def read_baseline(data: Any, origin: str, craft: Spacecraft) -> PDBaseline | Non
     if not craft.wheels.count:
         table.fail(next(iter(table.data), "attitude_gain_Nm"), "it needs wheels", "drop [baseline]")
     return PDBaseline(
-        proportional=table.number("attitude_gain_Nm", above=0.0, example="8e-2"),
-        derivative=table.number("rate_gain_Nm_s", above=0.0, example="0.108"),
-        hold=table.number("hold_s", above=0.0) if "hold_s" in table else None,
-        turn_back=table.number("turn_back_s", 20.0, at_least=0.0),
-        nearest_to=table.choice("nearest_to", ("start", "end"), "start"),
+        proportional=table.number("attitude_gain_Nm"),
+        derivative=table.number("rate_gain_Nm_s"),
+        hold=table.number("hold_s") if "hold_s" in table else None,
+        turn_back=table.number("turn_back_s"),
+        nearest_to=table.choice("nearest_to"),
     )

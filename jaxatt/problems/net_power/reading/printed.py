@@ -25,6 +25,6 @@ def check_printed_totals(printed: Mapping[str, Any], origin: str) -> None:
     if not any(key in printed for key in _TOTALS):
         return
     table = Table(dict(printed), origin, "[printed]", tuple(printed))
-    first = table.require(_TOTALS[0], "[1.0, 2.0]")
+    first = table.require(_TOTALS[0])
     for key in _TOTALS:
         table.vector(key, len(first) if isinstance(first, list) else 1)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import jax.numpy as jnp
-import numpy as np
 
 from jaxatt.environment import igrf
 from jaxatt.environment.along_orbit import OrbitTask
@@ -27,9 +26,6 @@ from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Orbit
 from jaxatt.problems.surroundings import motion_of
 from jaxatt.spacecraft import Spacecraft
-
-MAGNETORQUING = ("none", "manage-momentum", "decided")
-"""Values of `magnetorquing.mode`: switched off, by the law (5.14), or by the optimiser."""
 
 
 def read_satellite(
@@ -89,8 +85,8 @@ def _orbit_task(orbit: Orbit, magnetic: bool) -> OrbitTask:
 def _disturbances(data: Any, origin: str, orbit: Orbit | None) -> tuple[ExternalTorques, bool]:
     table = Table(data, origin, "[disturbances]", NET_POWER_TABLES["disturbances"])
     gradient = table.flag("gravity_gradient")
-    dipole = table.vector("residual_dipole_Am2", 3, np.zeros(3))
-    eddy = table.number("eddy_coefficient", 0.0, at_least=0.0)
+    dipole = table.vector("residual_dipole_Am2")
+    eddy = table.number("eddy_coefficient")
     if orbit is None and (gradient or dipole.any() or eddy):
         key = next(key for key in table.data if key in table)
         table.fail(key, "there is no [orbit]", "add one, or drop the disturbances")
@@ -106,7 +102,7 @@ def _magnetorquing(
     """Read how the magnetorquers are used beside the wheels."""
     table = Table(data, origin, "[magnetorquing]", NET_POWER_TABLES["magnetorquing"])
     default = "decided" if not craft.wheels.count else "none"
-    mode = table.choice("mode", MAGNETORQUING, default)
+    mode = table.choice("mode", default)
     if not craft.wheels.count and mode != "decided":
         table.fail("mode", "the vehicle has no wheels", 'use "decided" or leave it out')
     if mode == "none":
@@ -118,6 +114,6 @@ def _magnetorquing(
     if mode == "decided":
         return None, True
     return MomentumManagement(
-        gain=table.number("gain", above=0.0, example="5.0"),
+        gain=table.number("gain"),
         wheel_speed=read_wheel_speeds(table, craft.wheels),
     ), False

@@ -27,14 +27,12 @@ from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.orbit import covering, read_orbit
-from jaxatt.problems.reading.settings import MOST_INTERVALS, read_substeps
+from jaxatt.problems.reading.settings import read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
 from jaxatt.problems.reading.wheel_speeds import note_of_motors, read_wheel_speeds
 from jaxatt.problems.scenario import Horizon, Orbit, Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
-
-_FRAMES = ("inertial", "orbit")
 
 
 def read_net_power(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
@@ -46,9 +44,7 @@ def read_along(
     document: dict[str, Any], origin: str, folder: Path | None, moved: Orbit | None
 ) -> Scenario:
     """Read and check the scenario, along another orbit than the document's if one is given."""
-    heading = read_heading(
-        document, origin, NET_POWER_TABLES, ("vehicle", "initial"), printed_rows=PRINTED_ROWS
-    )
+    heading = read_heading(document, origin, NET_POWER_TABLES, printed_rows=PRINTED_ROWS)
     check_printed_totals(heading.printed, origin)
     notes: list[str] = []
     craft = read_vehicle(document["vehicle"], origin, folder, notes, magnetorquers_alone=True)
@@ -153,12 +149,13 @@ def _horizon(document: dict[str, Any], origin: str) -> Horizon:
     if free and not math.isfinite(longest):
         table.fail("longest_s", "missing", "give the longest final time, e.g. longest_s = 6000.0")
     default = longest if free else None
-    duration = table.number(
-        "horizon_s", default, above=0.0, at_most=LONGEST_MANOEUVRE_S, example="40.0"
-    )
-    if free:
-        table.number("longest_s", at_most=LONGEST_MANOEUVRE_S)
-    intervals = table.integer("intervals", at_most=MOST_INTERVALS)
+    duration = table.number("horizon_s", default)
+    if duration > LONGEST_MANOEUVRE_S:
+        key = "horizon_s" if "horizon_s" in table else "longest_s"
+        table.fail(
+            key, f"must be at most {LONGEST_MANOEUVRE_S:g}", "give a smaller number in seconds"
+        )
+    intervals = table.integer("intervals")
     return Horizon(
         duration=duration,
         intervals=intervals,
@@ -181,7 +178,7 @@ def _plan_horizon(document: dict[str, Any], origin: str) -> Horizon:
 
 def _framed(table: Table, sky: Sky) -> Sky:
     """The sky with the frame that a table's attitude refers to."""
-    frame = table.choice("frame", _FRAMES, "inertial")
+    frame = table.choice("frame")
     if frame == "orbit" and sky.motion is None:
         table.fail("frame", "there is no [orbit]", 'add one, or use "inertial"')
     return replace(sky, frame=frame)
@@ -225,7 +222,7 @@ def _target(
             if key in table:
                 table.fail(key, "without an attitude", "give the attitude, too")
         return None, sky.frame, speeds
-    tolerance = table.number("attitude_tolerance_deg", 0.01, above=0.0, at_most=180.0)
+    tolerance = table.number("attitude_tolerance_deg")
     first = horizon.shortest if horizon.free else horizon.duration
     last = horizon.longest if horizon.free else horizon.duration
     if "align" in table and "constrain" not in table:
@@ -237,7 +234,7 @@ def _target(
             omega_ob=rate,
             boresight=boresight,
             attitude_tolerance=math.radians(tolerance),
-            rate_tolerance=table.number("rate_tolerance_rad_s", 1e-5, above=0.0),
+            rate_tolerance=table.number("rate_tolerance_rad_s"),
         ),
         sky.frame,
         speeds,
@@ -263,7 +260,7 @@ def _floor(data: Any, origin: str, craft: Spacecraft) -> float:
         return -math.inf
     if craft.battery is None:
         table.fail("least_charge_percent", "the vehicle has no battery", "add [vehicle.battery]")
-    percent = table.number("least_charge_percent", at_least=0.0, at_most=100.0)
+    percent = table.number("least_charge_percent")
     floor = 0.01 * percent * float(craft.battery.capacity)
     if floor > float(craft.battery.charge):
         table.fail(

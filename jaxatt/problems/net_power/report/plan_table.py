@@ -11,7 +11,7 @@ from rich.text import Text
 
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.plan.clock import clock_text
-from jaxatt.problems.net_power.plan.task import HARVEST
+from jaxatt.problems.net_power.plan.modes import HARVEST
 from jaxatt.problems.net_power.record import Energy, energy_of, net_power
 from jaxatt.problems.net_power.report.plan_course import is_plan
 from jaxatt.records.dense_table import dense_table

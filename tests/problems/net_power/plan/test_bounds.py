@@ -9,8 +9,9 @@ import pytest
 from jaxatt.environment.light import Light
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.plan.floor import best_charge, check_floor
+from jaxatt.problems.net_power.plan.modes import COMMUNICATE, HARVEST
 from jaxatt.problems.net_power.plan.reach import check_reach, farthest_turn
-from jaxatt.problems.net_power.plan.task import COMMUNICATE, HARVEST, Task
+from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.pose import Pose
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.vehicles import load_vehicle

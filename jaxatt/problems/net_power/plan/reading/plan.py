@@ -21,8 +21,6 @@ from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.orbit import has_date
 
-_STEP = 2.0  # [s], of Kristiansen (2023), table 5.3
-
 
 def read_tasks(
     document: Mapping[str, Any],
@@ -41,8 +39,8 @@ def read_tasks(
     Raises `ScenarioError`, which names the task.
     """
     table = Table(document.get("horizon", {}), origin, "[horizon]", HORIZON_KEYS)
-    horizon = table.number("horizon_s", above=0.0) if "horizon_s" in table else None
-    step = table.number("step_s", _STEP, above=0.0)
+    horizon = table.number("horizon_s") if "horizon_s" in table else None
+    step = table.number("step_s")
     given = document.get("tasks")
     if not isinstance(given, list) or not given:
         raise ScenarioError(
@@ -85,12 +83,12 @@ def plan_length(document: Mapping[str, Any], origin: str, days: float | None) ->
 def least_elevation(document: Mapping[str, Any], origin: str) -> float:
     """Read the elevation [rad] of the satellite that counts as in sight of a place."""
     table = _plan_table(document, origin)
-    return math.radians(table.number("least_elevation_deg", 0.0, at_least=-90.0, at_most=90.0))
+    return math.radians(table.number("least_elevation_deg"))
 
 
 def improved_jointly(document: Mapping[str, Any], origin: str) -> bool:
     """Read whether the tasks are improved together after they were solved in sequence."""
-    return _plan_table(document, origin).flag("joint", True)
+    return _plan_table(document, origin).flag("joint")
 
 
 def _plan_table(document: Mapping[str, Any], origin: str) -> Table:

@@ -9,24 +9,17 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.along_orbit import to_inertial
+from jaxatt.problems.net_power.plan.modes import COMMUNICATE, HARVEST, IDLE, IMAGE
 from jaxatt.problems.net_power.plan.reading.schema import TASK_KEYS
 from jaxatt.problems.net_power.plan.reading.times import read_span
-from jaxatt.problems.net_power.plan.task import (
-    COMMUNICATE,
-    HARVEST,
-    IDLE,
-    IMAGE,
-    MODES,
-    Site,
-    Task,
-)
+from jaxatt.problems.net_power.plan.task import Site, Task
 from jaxatt.problems.net_power.pose import Pose, angle_between
 from jaxatt.problems.reading.aims import read_state
 from jaxatt.problems.reading.attitudes import attitude_given
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.reading.schema import AIM_KEYS, POSE_KEYS
-from jaxatt.problems.reading.settings import MOST_INTERVALS
+from jaxatt.problems.reading.tables.attitude import AIM_KEYS, POSE_KEYS
+from jaxatt.problems.reading.tables.manoeuvre import MOST_INTERVALS
 from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
@@ -35,7 +28,6 @@ _WHOLE = 1e-6
 _RATES = ("rate_rad_s", "rate_deg_s")
 _HELD = ("frame", "rate", *_RATES, *POSE_KEYS)
 _BEGINS = ("attitude_tolerance_deg", "rate_tolerance_rad_s", "wheel_speed_rad_s")
-_FRAMES = ("inertial", "orbit")
 _AWAY = math.radians(0.1)
 """By which directions may leave a task that holds its attitude before it is told."""
 
@@ -64,7 +56,7 @@ class Setting:
 
 def read_task(table: Table, before: float, setting: Setting, notes: list[str]) -> Task:
     """Read one task; before : [s], end of the task before.  Raises `ScenarioError`."""
-    mode = table.choice("mode", MODES, HARVEST)
+    mode = table.choice("mode")
     start, end = read_span(table, before, setting.days)
     craft = setting.craft
     return Task(
@@ -74,22 +66,18 @@ def read_task(table: Table, before: float, setting: Setting, notes: list[str]) -
         duration=end - start,
         intervals=_intervals(table, end - start, setting.step, notes),
         pose=_pose(table, mode, start, end, setting.sky, notes),
-        attitude_tolerance=math.radians(
-            table.number("attitude_tolerance_deg", 0.1, above=0.0, at_most=180.0)
-        ),
-        rate_tolerance=table.number("rate_tolerance_rad_s", 1e-4, above=0.0),
+        attitude_tolerance=math.radians(table.number("attitude_tolerance_deg")),
+        rate_tolerance=table.number("rate_tolerance_rad_s"),
         omega_bw=_speeds(table, craft),
-        load=table.number("load_W", float(craft.loads.get(mode, 0.0)), at_least=0.0),
+        load=table.number("load_W", float(craft.loads.get(mode, 0.0))),
         site=_site(table, mode),
     )
 
 
 def _intervals(table: Table, duration: float, step: float, notes: list[str]) -> int:
     if "intervals" in table:
-        if "step_s" in table:
-            table.fail("step_s", "given beside intervals", "keep one of the two")
-        return table.integer("intervals", at_most=MOST_INTERVALS)
-    wanted = duration / table.number("step_s", step, above=0.0)
+        return table.integer("intervals")
+    wanted = duration / table.number("step_s", step)
     if wanted > MOST_INTERVALS:
         table.fail(
             "step_s",
@@ -117,12 +105,12 @@ def _pose(
         return None
     if not attitude_given(table):
         if mode != IDLE:
-            table.require("attitude_quaternion", "[1.0, 0.0, 0.0, 0.0]")
+            table.require("attitude_quaternion")
         for key in _HELD:
             if key in table:
                 table.fail(key, "given without an attitude", "add attitude_quaternion, or drop it")
         return None
-    frame = table.choice("frame", _FRAMES, "inertial")
+    frame = table.choice("frame")
     if frame == "orbit" and sky.motion is None:
         table.fail("frame", "there is no orbit", 'add [orbit], or use frame = "inertial"')
     sky = replace(sky, frame=frame)
@@ -144,9 +132,6 @@ def _pose(
 
 def _pose_at(table: Table, mode: str, sky: Sky, time: float, notes: list[str]) -> Pose:
     """Read inertial attitude and rate at a time [s]."""
-    for key in _RATES:
-        if "rate" in table and key in table:
-            table.fail("rate", f"given beside {key}", "keep one of the two and drop the other")
     q, rate = read_state(table, notes, sky, time)
     if "rate" not in table:
         rate = _rate(table, mode)
@@ -157,10 +142,8 @@ def _pose_at(table: Table, mode: str, sky: Sky, time: float, notes: list[str]) -
 
 def _rate(table: Table, mode: str) -> Floats:
     """Read the rate [rad/s]; zero without."""
-    if "rate_deg_s" in table and "rate_rad_s" in table:
-        table.fail("rate_deg_s", "given beside rate_rad_s", "keep one of the two")
     key = "rate_deg_s" if "rate_deg_s" in table else "rate_rad_s"
-    rate = table.vector(key, 3, np.zeros(3))
+    rate = table.vector(key)
     if mode in (COMMUNICATE, IDLE) and rate.any():
         table.fail(key, f"a task of this mode holds its attitude, only {IMAGE} turns", "drop it")
     return np.deg2rad(rate) if key == "rate_deg_s" else rate
@@ -178,7 +161,7 @@ def _site(table: Table, mode: str) -> Site | None:
         return None
     if mode not in (IMAGE, COMMUNICATE):
         table.fail("target_deg", "a task of this mode looks at nothing", "drop it")
-    latitude, longitude = table.vector("target_deg", 2)
+    latitude, longitude = table.vector("target_deg")
     if abs(latitude) > 90.0 or abs(longitude) > 360.0:
         table.fail(
             "target_deg",

@@ -19,8 +19,6 @@ def read_span(table: Table, before: float, days: float | None) -> tuple[float, f
     before : [s], end of the task before, where this one begins unless it says otherwise.
     days : epoch, days since J2000; None without, and then there is no clock.
     """
-    _one_of(table, ("start", "start_s"))
-    _one_of(table, ("end", "end_s", "duration_s"))
     start = before
     if "start" in table:
         start = _clock(table, "start", before, days, after=False)
@@ -31,7 +29,7 @@ def read_span(table: Table, before: float, days: float | None) -> tuple[float, f
     elif "end_s" in table:
         end = table.number("end_s")
     else:
-        end = start + table.number("duration_s", above=0.0, example="60.0")
+        end = start + table.number("duration_s")
     key = "end" if "end" in table else "end_s"
     if not end > start:
         table.fail(key, f"is not after the task's start at {start:g} s", "give a later end")
@@ -43,12 +41,6 @@ def read_span(table: Table, before: float, days: float | None) -> tuple[float, f
             "end it earlier, or divide it into several",
         )
     return start, end
-
-
-def _one_of(table: Table, keys: tuple[str, ...]) -> None:
-    given = [key for key in keys if key in table]
-    if len(given) > 1:
-        table.fail(given[1], f"given beside {given[0]}", "keep one of the two and drop the other")
 
 
 def _clock(table: Table, key: str, near: float, days: float | None, *, after: bool) -> float:

@@ -11,16 +11,11 @@ from jaxatt.drawing.figure import picture
 from jaxatt.drawing.world_map import part_around, track, world_map
 from jaxatt.environment import ground
 from jaxatt.environment.along_orbit import OrbitTask
+from jaxatt.problems.net_power.plan.modes import COMMUNICATE, HARVEST, IDLE, IMAGE
 from jaxatt.problems.net_power.plan.report.course import Course
 from jaxatt.problems.net_power.plan.report.timeline import SHADOW
 from jaxatt.problems.net_power.plan.sight import positions_over_ground
-from jaxatt.problems.net_power.plan.task import (
-    COMMUNICATE,
-    HARVEST,
-    IDLE,
-    IMAGE,
-    Task,
-)
+from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.runtime.arrays import Floats
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from jaxatt.drawing.figure import colour, picture, tidy
 from jaxatt.drawing.panels import lines, runs, speed_limits
 from jaxatt.environment.epoch import SECONDS_PER_DAY
 from jaxatt.problems.net_power.plan.clock import clock_text
+from jaxatt.problems.net_power.plan.modes import COMMUNICATE, HARVEST, IDLE, IMAGE
 from jaxatt.problems.net_power.plan.report.course import Course
-from jaxatt.problems.net_power.plan.task import COMMUNICATE, HARVEST, IDLE, IMAGE
 from jaxatt.spacecraft.wheels import ReactionWheels, no_wheels
 
 if TYPE_CHECKING:

@@ -1,0 +1,1 @@
+"""Tables that scenario files of several families have, declared key by key."""

@@ -1,0 +1,9 @@
+"""Files of turns in minimum time."""
+
+from __future__ import annotations
+
+from jaxatt.problems.reading.file_format import FileFormat
+from jaxatt.problems.reading.schema import SPACECRAFT, SPACECRAFT_TABLES
+from jaxatt.problems.reading.tables.objective import TIME_KINDS
+
+FORMAT = FileFormat("time-optimal", (SPACECRAFT,), TIME_KINDS, SPACECRAFT_TABLES)

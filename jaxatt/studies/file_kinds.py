@@ -1,0 +1,52 @@
+"""Kinds of TOML files, and the faults of each that can be told without computing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from jaxatt.problems.hands_off.file_format import FORMAT as HANDS_OFF
+from jaxatt.problems.net_power.file_format import FORMAT as NET_POWER
+from jaxatt.problems.reading.checking import find_faults
+from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.file_format import FileFormat, scenario_faults
+from jaxatt.problems.reading.keys import TableKey
+from jaxatt.problems.reading.tables.vehicle import VEHICLE_FILE_KEYS
+from jaxatt.problems.time_optimal.file_format import FORMAT as TIME_OPTIMAL
+from jaxatt.problems.toy.file_format import FORMAT as TOY
+from jaxatt.scenarios.flight_schema import FLIGHT_KEYS
+from jaxatt.studies.tables import DESIGN_KEYS, STUDY_KEYS
+
+FORMATS: tuple[FileFormat, ...] = (HANDS_OFF, TIME_OPTIMAL, NET_POWER, TOY)
+"""Scenarios, by family."""
+
+OTHERS: Mapping[str, TableKey] = {
+    "flight": FLIGHT_KEYS,
+    "study": STUDY_KEYS,
+    "design": DESIGN_KEYS,
+    "vehicle": VEHICLE_FILE_KEYS,
+}
+"""Keys at the top of all other kinds of files."""
+
+_TOLD_BY = {
+    "flight": ("simulation", "laws"),
+    "study": ("vary", "outputs", "sampling"),
+    "design": ("design", "minimise"),
+    "vehicle": ("inertia_kgm2", "wheels"),
+}
+"""Keys that only one kind of file has."""
+
+
+def kind_of_document(document: Mapping[str, Any]) -> str:
+    """The kind of a file: one of `OTHERS`, or "manoeuvre"."""
+    return next(
+        (kind for kind, keys in _TOLD_BY.items() if any(key in document for key in keys)),
+        "manoeuvre",
+    )
+
+
+def faults_of(document: Mapping[str, Any], origin: str, kind: str) -> Sequence[ScenarioError]:
+    """All faults of a document of a kind that can be told without computing."""
+    if kind == "manoeuvre":
+        return scenario_faults(document, origin, FORMATS)
+    return find_faults(document, origin, OTHERS[kind])
