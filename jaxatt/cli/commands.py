@@ -81,6 +81,10 @@ COMMANDS = {
         "jaxatt.cli.cache:cache",
         "Say what is kept of compiled programs, or remove it.",
     ),
+    "schema": (
+        "jaxatt.cli.schema:schema",
+        "Print the JSON schema of a kind of TOML file, for editors.",
+    ),
     "scenarios": (
         "jaxatt.cli.scenarios:scenarios",
         "List the bundled scenarios, or print one as TOML.",

@@ -8,7 +8,9 @@ import typer
 
 from jaxatt.cli.common import clean_exit, say
 from jaxatt.scenarios import text
-from jaxatt.scenarios.bundled import KINDS, titles
+from jaxatt.scenarios.bundled import KINDS, kind_of, titles
+from jaxatt.studies.json_schema import FOLDER
+from jaxatt.studies.json_schema import KINDS as SCHEMAS
 
 scenarios = typer.Typer(
     help="List the bundled scenarios, or print one as TOML.", add_completion=False
@@ -34,4 +36,7 @@ def show_scenario(
 ) -> None:
     """Print a bundled scenario as TOML, to be changed and solved."""
     with clean_exit():
+        kind = kind_of(name)
+        if kind is not None and kind in SCHEMAS:
+            say(f"#:schema {(FOLDER / f'{kind}.json').as_uri()}")
         say(text(name), newline=False)

@@ -1,0 +1,158 @@
+"""The page of all keys of TOML files, made from what is declared of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from jaxatt.problems.reading.file_format import FileFormat
+from jaxatt.problems.reading.keys import (
+    Choice,
+    Each,
+    Either,
+    Flag,
+    Key,
+    Matrix,
+    Number,
+    Numbers,
+    Rows,
+    TableKey,
+    Text,
+    Texts,
+    Whole,
+)
+from jaxatt.problems.reading.schema import UNITS, scenario_keys
+from jaxatt.studies.file_kinds import FORMATS, OTHERS
+
+_HEAD = """# Keys of all files
+
+Made by `jaxatt schema --page` from what the loader checks; a test says when it is out of date.
+**Bold** keys must be there. How files are written and checked: [files](files.md).
+"""
+_TITLES = {
+    "hands-off": "Sparse manoeuvres",
+    "time-optimal": "Turns in minimum time",
+    "net-power": "Manoeuvres and plans that earn energy",
+    "toy": "Toy systems",
+    "flight": "Flights of feedback laws",
+    "study": "Sweeps",
+    "design": "Designs",
+    "vehicle": "Vehicles in files of their own",
+}
+_COLUMNS = "| key | unit | type | default | meaning |\n| --- | --- | --- | --- | --- |"
+
+
+def key_page() -> str:
+    """The page in Markdown."""
+    shown: dict[int, str] = {}
+    parts = [_HEAD]
+    for title, declared in _kinds():
+        sections = list(_tables("", declared, shown))
+        if sections:
+            parts += [f"## {title}\n", *sections]
+    return "\n".join(parts)
+
+
+def _kinds() -> Iterator[tuple[str, TableKey]]:
+    for known in FORMATS:
+        yield f"{_TITLES[known.name]} ({_told_by(known)})", scenario_keys(known.tables)
+    for kind, declared in OTHERS.items():
+        yield _TITLES[kind], declared
+
+
+def _told_by(known: FileFormat) -> str:
+    kinds = ", ".join(f'"{kind}"' for kind in known.kinds)
+    return f"`objective.kind` = {kinds}" if known.name != "toy" else "`system` is one of them"
+
+
+def _tables(path: str, declared: TableKey, shown: dict[int, str]) -> Iterator[str]:
+    """Tables of a file with their keys, but those that were shown before."""
+    if declared.variants:
+        for kind in declared.variants:
+            found = declared.of({"kind": kind})
+            yield _section(f'[{path}] with kind = "{kind}"', declared.meaning, found)
+        return
+    rows = {key: value for key, value in declared.items() if not _own_section(value)}
+    if rows:
+        name = f"[[{path}]]" if declared.many else f"[{path}]" if path else "At the top"
+        yield _section(name, declared.meaning, TableKey(keys_=rows))
+    inner = {key: value for key, value in declared.items() if _own_section(value)}
+    if isinstance(declared.free, TableKey):
+        inner["NAME"] = declared.free
+    for key, value in inner.items():
+        assert isinstance(value, TableKey)
+        if id(value) not in shown:
+            shown[id(value)] = path
+            yield from _tables(f"{path}.{key}" if path else key, value, shown)
+
+
+def _own_section(declared: Key) -> bool:
+    return isinstance(declared, TableKey) and not declared.inline
+
+
+def _section(name: str, meaning: str, keys: TableKey) -> str:
+    rows = [_row(key, value) for key, value in keys.items()]
+    return "\n".join(
+        (f"### {name}\n", f"{meaning[:1].upper()}{meaning[1:]}.\n", _COLUMNS, *rows, "")
+    )
+
+
+def _row(key: str, declared: Key) -> str:
+    name = f"**`{key}`**" if declared.required and not declared.unless else f"`{key}`"
+    unit = next((unit for suffix, unit in UNITS.items() if key.endswith(suffix)), "")
+    cells = (name, unit, kind_of(declared), _default(declared), declared.meaning)
+    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
+
+
+def _default(declared: Key) -> str:
+    if declared.default is None:
+        return declared.otherwise
+    if isinstance(declared.default, bool):
+        return str(declared.default).lower()
+    if isinstance(declared.default, str):
+        return f'`"{declared.default}"`'
+    return f"{declared.default:g}" if isinstance(declared.default, float) else str(declared.default)
+
+
+def kind_of(declared: Key) -> str:
+    """The type and range of a key, in words."""
+    match declared:
+        case Number():
+            return f"number{_range(declared.above, declared.at_least, declared.at_most)}"
+        case Whole():
+            return f"whole number{_range(None, declared.at_least, _limit(declared.at_most))}"
+        case Flag():
+            return "true or false"
+        case Text():
+            return "text"
+        case Texts():
+            return "list of texts" if declared.size is None else f"{declared.size} texts"
+        case Choice():
+            return ", ".join(f'`"{option}"`' for option in declared.options)
+        case Numbers():
+            count = "list of" if declared.size is None else str(declared.size)
+            return f"{count} numbers{_range(declared.above)}"
+        case Each():
+            least = "" if declared.signed else " >= 0" if declared.zero else " > 0"
+            return f"number, or one for each,{least}".rstrip(",")
+        case Rows():
+            return "rows of 3 numbers"
+        case Matrix():
+            return "3 rows of 3 numbers"
+        case Either():
+            return ", or ".join(kind_of(form) for form in declared.forms)
+        case TableKey():
+            return "tables" if declared.many else "table in braces"
+    return "any"
+
+
+def _limit(most: int) -> int | None:
+    """A largest whole number that is not only the largest that can be counted with."""
+    return None if most == Whole.at_most else most
+
+
+def _range(
+    above: float | None = None, at_least: float | None = None, at_most: float | None = None
+) -> str:
+    parts = (("> ", above), (">= ", at_least), ("<= ", at_most))
+    told = ", ".join(f"{sign}{limit:g}" for sign, limit in parts if limit is not None)
+    return f" {told}" if told else ""
