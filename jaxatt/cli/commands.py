@@ -33,6 +33,10 @@ COMMANDS = {
         "jaxatt.cli.orbit:orbit",
         "Show an orbit: elements, ground track, eclipses, the sun above its plane, magnetic field.",
     ),
+    "new": (
+        "jaxatt.cli.new:new",
+        "Write a commented vehicle and scenario of one's own numbers.",
+    ),
     "check": (
         "jaxatt.cli.check:check",
         "Say all that is wrong with TOML files, or what they describe.",

@@ -9,8 +9,7 @@ import typer
 from jaxatt.cli.common import clean_exit, say
 from jaxatt.scenarios import text
 from jaxatt.scenarios.bundled import KINDS, kind_of, titles
-from jaxatt.studies.json_schema import FOLDER
-from jaxatt.studies.json_schema import KINDS as SCHEMAS
+from jaxatt.studies.json_schema import schema_line
 
 scenarios = typer.Typer(
     help="List the bundled scenarios, or print one as TOML.", add_completion=False
@@ -36,7 +35,6 @@ def show_scenario(
 ) -> None:
     """Print a bundled scenario as TOML, to be changed and solved."""
     with clean_exit():
-        kind = kind_of(name)
-        if kind is not None and kind in SCHEMAS:
-            say(f"#:schema {(FOLDER / f'{kind}.json').as_uri()}")
-        say(text(name), newline=False)
+        content = text(name)
+        say(schema_line(kind_of(name) or ""), newline=False)
+        say(content, newline=False)

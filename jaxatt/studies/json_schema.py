@@ -70,6 +70,11 @@ def _shared(found: Any, name: str, definitions: Schema) -> Any:
     return {**told, "allOf": [{"$ref": f"#/definitions/{name}-{number}"}]}
 
 
+def schema_line(kind: str) -> str:
+    """First line of a file of a kind, for editors; empty for one that has no schema."""
+    return f"#:schema {(FOLDER / f'{kind}.json').as_uri()}\n" if kind in KINDS else ""
+
+
 def _scenario() -> Schema:
     """Scenarios, whose tables depend on the system and the kind of objective."""
     default, *others = FORMATS

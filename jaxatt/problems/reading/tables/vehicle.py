@@ -20,7 +20,7 @@ from jaxatt.problems.reading.keys import (
 _AVOID = TableKey(
     "bands of speed that wheels avoid",
     {
-        "from_rad_s": Each("slowest speed of the band, in magnitude", default=0.0, zero=True),
+        "from_rad_s": Each("slowest speed of the band, in magnitude", default=0.0, signed=True),
         "to_rad_s": Each("fastest speed of the band", required=True, example="20.0"),
         "leave_within_s": Number(
             "longest stay in the band", above=0.0, otherwise="the band must never be entered"
