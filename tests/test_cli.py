@@ -5,6 +5,9 @@ import json
 import re
 import subprocess
 import sys
+from pathlib import Path
+from urllib.parse import urlparse
+from urllib.request import url2pathname
 
 import handmade_results
 import numpy as np
@@ -47,7 +50,10 @@ def test_scenarios_are_listed_with_a_line_each():
 def test_a_shown_scenario_is_changed_and_solved(here):
     shown = run("scenarios", "show", "double-integrator")
     assert shown.exit_code == 0
-    assert shown.output == scenarios.text("double-integrator")
+    first, rest = shown.output.split("\n", 1)
+    schema = Path(url2pathname(urlparse(first.removeprefix("#:schema ")).path))
+    assert json.loads(schema.read_text())["title"] == "jaxatt manoeuvre"
+    assert rest == scenarios.text("double-integrator")
     document = shown.output.replace("state = [1.0, 1.0]", "state = [0.5, 0.5]")
     document = document.replace("intervals = 100", "intervals = 40")
     (here / "mine.toml").write_text(document.replace("double-integrator", "mine", 1))
