@@ -16,7 +16,8 @@ def test_the_help_has_the_first_line_of_each_command(name):
 
 
 @pytest.mark.parametrize(
-    "arguments", [(), ("--help",), ("scenarios",), ("scenarios", "show", "mrp-k4"), ("nosuch",)]
+    "arguments",
+    [(), ("--help",), ("scenarios",), ("scenarios", "show", "mrp-k4"), ("schema",), ("nosuch",)],
 )
 def test_what_computes_nothing_loads_no_jax(arguments):
     code = (

@@ -65,7 +65,7 @@ def test_the_formats_are_those_of_the_families():
             assert getattr(known, name) == getattr(family, name)
 
 
-@pytest.mark.parametrize("command", ["check", "solve", "plan"])
+@pytest.mark.parametrize("command", [("check",), ("solve", "--starts", "8"), ("plan",)])
 @pytest.mark.parametrize(
     "text, line", [(BAD, "bad.toml:6: [orbit]"), ('name = "x\n', "line 1, column 10")]
 )
@@ -78,7 +78,7 @@ def test_a_bad_file_is_refused_without_jax(command, text, line, tmp_path):
         "finally: print([name for name in ('jax', 'scipy', 'xarray') if name in sys.modules])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, command, str(path)],
+        [sys.executable, "-c", code, *command, str(path)],
         capture_output=True,
         text=True,
         timeout=120,

@@ -150,8 +150,8 @@ def _horizon(document: dict[str, Any], origin: str) -> Horizon:
         table.fail("longest_s", "missing", "give the longest final time, e.g. longest_s = 6000.0")
     default = longest if free else None
     duration = table.number("horizon_s", default)
-    if duration > LONGEST_MANOEUVRE_S:
-        key = "horizon_s" if "horizon_s" in table else "longest_s"
+    if max(duration, longest if free else 0.0) > LONGEST_MANOEUVRE_S:
+        key = "longest_s" if free else "horizon_s"
         table.fail(
             key, f"must be at most {LONGEST_MANOEUVRE_S:g}", "give a smaller number in seconds"
         )

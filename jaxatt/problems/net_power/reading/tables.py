@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from jaxatt.problems.net_power.plan.reading.schema import (
+    HORIZON_KEYS,
     PLAN_KEYS,
-    STEP_S,
     TASK_KEYS,
 )
 from jaxatt.problems.reading.keys import Choice, Flag, Keys, Number, Numbers, TableKey
@@ -26,9 +26,8 @@ RESIDUAL_DIPOLE = Numbers("residual magnetic dipole, in body axes", size=3, defa
 EDDY = Number("coefficient of the torque of eddy currents", default=0.0, at_least=0.0)
 
 
-def _and(table: TableKey, more: Keys, without: tuple[str, ...] = ()) -> TableKey:
-    kept = {key: value for key, value in table.items() if key not in without}
-    return replace(table, keys_={**kept, **more})
+def _and(table: TableKey, more: Keys) -> TableKey:
+    return replace(table, keys_={**table, **more})
 
 
 _HORIZON = _and(
@@ -36,7 +35,7 @@ _HORIZON = _and(
     {
         "horizon_s": replace(manoeuvre.HORIZON["horizon_s"], example="40.0"),
         "intervals": replace(manoeuvre.HORIZON["intervals"], required=False),
-        "step_s": Number("length of an interval of the [[tasks]]", default=STEP_S, above=0.0),
+        "step_s": HORIZON_KEYS["step_s"],
     },
 )
 

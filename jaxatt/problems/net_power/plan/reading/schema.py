@@ -16,10 +16,6 @@ from jaxatt.problems.reading.tables.manoeuvre import HORIZON, MOST_INTERVALS, WH
 LONGEST_MANOEUVRE_S = 1e6
 """Longest task or manoeuvre: light and field are tabulated along all of it, for its fine flight."""
 
-STEP_S = 2.0
-"""Interval [s] of Kristiansen (2023), table 5.3."""
-_STEP = Number("length of an interval", default=STEP_S, above=0.0)
-
 _RATES = ("rate_rad_s", "rate_deg_s", "rate")
 _STARTS, _ENDS = ("start", "start_s"), ("end", "end_s", "duration_s")
 
@@ -82,7 +78,8 @@ HORIZON_KEYS = TableKey(
     "horizon of a plan",
     {
         "horizon_s": Number("length of the plan", above=0.0, otherwise="that of all tasks"),
-        "step_s": _STEP,
+        # Kristiansen (2023), table 5.3
+        "step_s": Number("length of an interval of the [[tasks]]", default=2.0, above=0.0),
         "substeps": HORIZON["substeps"],
     },
 )
