@@ -190,7 +190,7 @@ def test_no_design_nearby_has_a_smaller_worst_time() -> None:
     [
         ({"design": [{**TORQUE, "field": "vehicle.wheels.torque"}]}, r"did you mean '.*torque_"),
         ({"design": [{**TORQUE, "to": 0.01}]}, r"to = 0.01: is not above from = 0.05"),
-        ({"design": [{**TORQUE, "values": [1.0]}]}, r"\[\[design\]\] 1 values = .* is for sweeps"),
+        ({"design": [{**TORQUE, "values": [1.0]}]}, r"\[\[design\]\] no. 1 values = .* for sweeps"),
         ({"minimise": "torque_limit_Nm"}, r"minimise .*: needs a limit.*at_most = { final_time_s"),
         ({"minimise": "torque_limit"}, r"did you mean 'torque_limit_Nm'\?"),
         ({"at_most": {"final_time_s": 30.0}}, r"at_most: limits final_time_s, which is minimised"),
