@@ -51,10 +51,14 @@ class WheelMotors:
         return jax.tree.map(lambda values: np.asarray(values)[list(places)], self)
 
     @property
+    def rubbing(self) -> bool:
+        """Whether there is friction."""
+        return any(np.any(np.asarray(effect)) for effect in (self.coulomb, self.viscous))
+
+    @property
     def ideal(self) -> bool:
         """Whether there is no friction and the torque does not fall."""
-        effects = (self.coulomb, self.viscous, self.torque_fall)
-        return not any(np.any(np.asarray(effect)) for effect in effects)
+        return not self.rubbing and not np.any(np.asarray(self.torque_fall))
 
 
 def wheel_motors(
@@ -111,6 +115,14 @@ def friction(motors: WheelMotors, speeds: Array) -> Array:
     coulomb, viscous = (_beside(x, speeds) for x in (motors.coulomb, motors.viscous))
     found: Array = coulomb * library.tanh(speeds / FRICTION_WIDTH) + viscous * speeds
     return found
+
+
+def friction_slopes(motors: WheelMotors, speeds: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """First and second derivatives of `friction` by the speed, (..., n) each."""
+    coulomb, viscous = (jnp.asarray(_beside(x, speeds)) for x in (motors.coulomb, motors.viscous))
+    sense = jnp.tanh(speeds / FRICTION_WIDTH)
+    slope = coulomb / FRICTION_WIDTH * (1.0 - sense * sense)
+    return slope + viscous, -2.0 / FRICTION_WIDTH * sense * slope
 
 
 def _beside(values: Array, speeds: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from jaxatt.optimize.status import Status
 from jaxatt.problems.net_power.flight import PoweredFlight
-from jaxatt.problems.net_power.manoeuvre import Manoeuvre
+from jaxatt.problems.net_power.manoeuvre import Manoeuvre, WheelLimits
 from jaxatt.problems.verdict import Verdict
 from jaxatt.runtime.arrays import Flags, Floats
 
@@ -28,6 +28,7 @@ class Solved:
     refined : (S,), whether they were solved on the manoeuvre's own intervals, not on longer ones
     alone; None where all were.
     substeps : steps of the motion an interval that the solver took.
+    limits : of the wheels, that it kept to; None where it did not count them.
     """
 
     torque: Floats
@@ -39,6 +40,7 @@ class Solved:
     iterations: npt.NDArray[np.int64]
     refined: Flags | None = None
     substeps: int = 1
+    limits: WheelLimits | None = None
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Solved:
         """Answers of some of the starts."""
@@ -53,6 +55,7 @@ class Solved:
             self.iterations[rows],
             None if self.refined is None else self.refined[rows],
             self.substeps,
+            self.limits,
         )
 
     def replaced(self, rows: npt.NDArray[np.int64], by: Solved) -> Solved:
@@ -73,6 +76,7 @@ class Solved:
             put(self.iterations, self.iterations[rows] + by.iterations),
             put(np.zeros(len(self.status), bool), True),
             by.substeps,
+            by.limits,
         )
 
 

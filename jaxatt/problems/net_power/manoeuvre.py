@@ -95,6 +95,19 @@ class Satellite:
 
 
 @dataclass(frozen=True, eq=False)
+class WheelLimits:
+    """How a search keeps to what wheels can do: their speeds, and the torque of their motors.
+
+    slower : (n,), shares by which speed limits are taken stricter than they are, and weaker : (n,)
+    those of the motors' torque.  every_band : whether bands that may be crossed are barred, too.
+    """
+
+    slower: Floats
+    weaker: Floats
+    every_band: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Manoeuvre:
     """One manoeuvre of fixed length [s] in equal intervals.
 
@@ -106,6 +119,7 @@ class Manoeuvre:
     as the motion asks for.
     floor : [J], charge of the battery below which it must not fall; -inf without.
     charge : [J], of the battery at the start.
+    limits : that the search keeps the wheels to; None where it does not count them.
     """
 
     satellite: Satellite
@@ -121,6 +135,7 @@ class Manoeuvre:
     substeps: int | None = None
     floor: float = -math.inf
     charge: float = 0.0
+    limits: WheelLimits | None = None
 
     @property
     def step(self) -> float:

@@ -95,12 +95,3 @@ def check_speeds(
             f"{high[k, i]:g} rad/s that [[vehicle.wheels.avoid]] no. {k + 1} bars",
             "give it a speed outside, or give the band leave_within_s",
         )
-
-
-def note_of_motors(wheels: ReactionWheels, notes: list[str]) -> None:
-    """Note that friction and a falling torque are left to the verdict by a search."""
-    if not wheels.motors.ideal:
-        notes.append(
-            "[vehicle.wheels]: friction and torque that falls with speed are judged in flight; the "
-            "search does not count them"
-        )

@@ -14,9 +14,10 @@ import pytest
 from printed_cases import FIRST, chapter_4, chapter_5, eclipse_entry, hypso2
 
 from jaxatt.environment.external import ExternalTorques
-from jaxatt.problems.net_power.manoeuvre import Motion
+from jaxatt.problems.net_power.manoeuvre import Motion, WheelLimits
 from jaxatt.problems.net_power.wheels.programme import wheels_programme
 from jaxatt.problems.net_power.wheels.task import wheels_task
+from jaxatt.spacecraft.wheel_motor import wheel_motors
 
 WAYS = 10
 STILL, HYPSO2 = chapter_4(), hypso2()
@@ -25,14 +26,28 @@ TURNING = dataclasses.replace(
 )
 
 
-def of(manoeuvre, regeneration=0.0, **satellite):
+def of(manoeuvre, regeneration=0.0, rubbing=False, **satellite):
     """A manoeuvre with other wheels and another satellite."""
     given = manoeuvre.satellite
     wheels = dataclasses.replace(given.craft.wheels, regeneration=regeneration)
+    if rubbing:
+        motors = wheel_motors(wheels.count, 2e-4, 8e-6, 25.0, 70.0)
+        wheels = dataclasses.replace(wheels, motors=motors)
     craft = dataclasses.replace(given.craft, wheels=wheels)
     return dataclasses.replace(
         manoeuvre, satellite=dataclasses.replace(given, craft=craft, **satellite)
     )
+
+
+def limited(manoeuvre):
+    """The manoeuvre with motors that rub and weaken, and wheels that are not to turn too fast."""
+    given = of(manoeuvre, 0.5, rubbing=True)
+    wheels = given.satellite.craft.wheels
+    wheels = dataclasses.replace(wheels, speed_limit=np.full(wheels.count, 400.0))
+    craft = dataclasses.replace(given.satellite.craft, wheels=wheels)
+    limits = WheelLimits(np.full(wheels.count, 0.1), np.full(wheels.count, 0.05))
+    satellite = dataclasses.replace(given.satellite, craft=craft)
+    return dataclasses.replace(given, satellite=satellite, limits=limits)
 
 
 @functools.cache
@@ -46,6 +61,9 @@ def manoeuvre_of(name):
         "turning, signed": lambda: TURNING,
         "turning, body axes": lambda: of(TURNING, wheel_power="body"),
         "turning, regeneration": lambda: of(TURNING, 0.5, wheel_power="wheels"),
+        "turning, signed, friction": lambda: of(TURNING, rubbing=True),
+        "turning, limits": lambda: limited(of(TURNING, wheel_power="wheels")),
+        "turning, body axes, limits": lambda: limited(of(TURNING, wheel_power="body")),
         "gravity gradient": lambda: of(
             orbit, torques=ExternalTorques(), momentum=None, wheel_power="signed"
         ),
@@ -56,7 +74,8 @@ def manoeuvre_of(name):
 
 
 FREE = ("at rest, signed", "at rest, wheel by wheel", "turning, signed", "turning, body axes")
-FREE += ("turning, regeneration",)
+RUBBING = ("turning, signed, friction", "turning, limits", "turning, body axes, limits")
+FREE += ("turning, regeneration", *RUBBING)
 TORQUED = ("gravity gradient", "managed, body axes, eclipse", "managed, regeneration")
 TORQUED += ("decided dipole, eclipse",)
 
@@ -167,6 +186,8 @@ def test_bend_of_the_power_is_exact_at_rest():
     assert off(both("at rest, wheel by wheel").path) < 1e-12
 
 
-@pytest.mark.parametrize("name", ["turning, regeneration", "managed, body axes, eclipse"])
+@pytest.mark.parametrize(
+    "name", ["turning, regeneration", "managed, body axes, eclipse", *RUBBING[1:]]
+)
 def test_bend_of_the_power_leaves_out_that_of_the_speeds(name):
     assert 0.0 < off(both(name).path) < 0.02

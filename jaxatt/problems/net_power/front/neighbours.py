@@ -13,12 +13,13 @@ import numpy as np
 
 from jaxatt.multistart.staged_chunks import rows_of_stages
 from jaxatt.problems.net_power.answers import flown_again
-from jaxatt.problems.net_power.found import Flown
+from jaxatt.problems.net_power.found import Flown, Solved
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.host import exponential, product
 from jaxatt.problems.net_power.wheels.solve import solve_in_fine_steps, solve_wheels
 from jaxatt.problems.net_power.wheels.starts import Starts, draw_starts, follow
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
+from jaxatt.problems.net_power.wheels.within_limits import keeping_to, within_limits
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.chunks import Report
 
@@ -47,11 +48,20 @@ def search_neighbours(
     manoeuvres: Sequence[Manoeuvre], count: int, seed: int, report: Report | None
 ) -> list[Point]:
     """Solve manoeuvres of one form, ordered by what they differ in, from `count` starts each."""
-    coarse = [wheels_task(manoeuvre) for manoeuvre in manoeuvres]
-    drawn = [draw_starts(task, count, seed) for task in coarse]
     # The same for few starts as for many, so that both share a compiled program.
-    rows = rows_of_stages(count * len(coarse), manoeuvres[0].intervals)
-    tasks, solved = solve_in_fine_steps(coarse, drawn, report, rows)
+    rows = rows_of_stages(count * len(manoeuvres), manoeuvres[0].intervals)
+
+    def searched(some: Sequence[Manoeuvre]) -> Sequence[Solved]:
+        coarse = [wheels_task(manoeuvre) for manoeuvre in some]
+        drawn = [draw_starts(task, count, seed) for task in coarse]
+        return solve_in_fine_steps(coarse, drawn, report, rows, len(manoeuvres))[1]
+
+    solved = within_limits(manoeuvres, searched)
+    limits = [answers.limits for answers in solved]
+    if any(limits):
+        manoeuvres = [keeping_to(m, own) for m, own in zip(manoeuvres, limits, strict=True)]
+    substeps = max(answers.substeps for answers in solved)
+    tasks = [wheels_task(manoeuvre, substeps) for manoeuvre in manoeuvres]
     points = []
     for manoeuvre, answers in zip(manoeuvres, solved, strict=True):
         flown = flown_again(manoeuvre, answers)

@@ -29,7 +29,7 @@ from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.settings import read_substeps
 from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.reading.wheel_speeds import note_of_motors, read_wheel_speeds
+from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon, Orbit, Scenario
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
@@ -48,11 +48,6 @@ def read_along(
     check_printed_totals(heading.printed, origin)
     notes: list[str] = []
     craft = read_vehicle(document["vehicle"], origin, folder, notes, magnetorquers_alone=True)
-    note_of_motors(craft.wheels, notes)
-    if craft.wheels.avoid.count:
-        notes.append(
-            "[[vehicle.wheels.avoid]]: bands are judged in flight; the search does not count them"
-        )
     orbit = moved
     if moved is None and "orbit" in document:
         orbit = read_orbit(document["orbit"], origin, folder, notes)

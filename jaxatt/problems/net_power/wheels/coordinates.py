@@ -12,6 +12,7 @@ from jaxatt.problems.net_power.wheels.interval import Course
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.turn import added, times
 from jaxatt.simulation.momentum_model import Components, matvec, to_body
+from jaxatt.spacecraft.wheel_motor import friction
 
 
 class Controls(NamedTuple):
@@ -112,10 +113,10 @@ def wheel_power(
 ) -> Array:
     """Mechanical power of the wheels (c,) over `power_scale`.
 
-    One sum over body axes, (A tau) . (A omega_bw), or tau_i omega_bw,i of every wheel.
-    y : (k,), coordinates of the wheels' momentum.
+    One sum over body axes, (A tau) . (A omega_bw), or tau_i omega_bw,i of every wheel, tau the
+    torque of the motors.  y : (k,), coordinates of the wheels' momentum.
     """
-    torque = p.torque_limit * scaled
+    torque = motor_torque(y, omega, scaled, p, form)
     spins = wheel_speeds(y, omega, p, form)
     if form.power == "body":
         pushed = product(p.axes, torque)
@@ -123,17 +124,30 @@ def wheel_power(
     return torque * spins / p.power_scale
 
 
+def motor_torque(
+    y: Array, omega: Components, scaled: Array, p: WheelsParameters, form: WheelsForm
+) -> Array:
+    """Torque (n,) [N m] of the motors: what accelerates the wheels and what friction takes."""
+    if form.rubbing:
+        scaled = scaled + jnp.asarray(friction(p.motors, own_speeds(y, omega, p)))
+    return p.torque_limit * scaled
+
+
+def own_speeds(y: Array, omega: Components, p: WheelsParameters) -> Array:
+    """Speed (n,) [rad/s] of every wheel, where each one's momentum is carried."""
+    return p.momentum_scale * y / p.wheel_inertia - product(p.axes.T, jnp.stack(omega))
+
+
 def wheel_speeds(y: Array, omega: Components, p: WheelsParameters, form: WheelsForm) -> Array:
     """Wheel speeds [rad/s]: of every wheel (n,), or for `power` "body" their sum A omega_bw (3,).
 
     Where only the sum of the momenta is carried, all wheels have the same inertia.
     """
-    along = product(p.axes.T, jnp.stack(omega))
     if form.each:
-        speeds = p.momentum_scale * y / p.wheel_inertia - along
+        speeds = own_speeds(y, omega, p)
         return product(p.axes, speeds) if form.power == "body" else speeds
     summed = product(p.without_spin, y) / p.wheel_inertia[0]
-    return summed - product(p.axes, along)
+    return summed - product(p.axes, product(p.axes.T, jnp.stack(omega)))
 
 
 def kinetic_energy(x: Array, omega: Array, p: WheelsParameters, form: WheelsForm) -> Array:

@@ -14,6 +14,9 @@ class WheelsForm:
         in inertial axes, or "carried" where external torques act.
     power : of the wheels: "signed" (4.6), "body" (5.7), "wheels" for each by itself.
     each : whether the momentum of every wheel is carried, not only their sum in body axes.
+    rubbing : whether friction takes some of the motors' torque.  speed_limited : whether the wheels
+        keep to speeds, and motor_limited : to torques that depend on their speed.  All of them need
+        `each`.
     magnetorquers : "none", "managing" the momentum by a law, or "decided" by the optimiser.
     end : "reach", "rate", "penalty" or "free"; see `Manoeuvre.terminal`.  "point" reaches a
         direction, with any roll about the boresight.
@@ -26,6 +29,9 @@ class WheelsForm:
     momentum: str = "zero"
     power: str = "signed"
     each: bool = False
+    rubbing: bool = False
+    speed_limited: bool = False
+    motor_limited: bool = False
     magnetorquers: str = "none"
     end: str = "reach"
     speeds: bool = False
@@ -56,6 +62,16 @@ class WheelsForm:
     def dipoles(self) -> int:
         """Controls of the magnetorquers: positive and negative parts of three dipoles."""
         return 6 if self.magnetorquers == "decided" else 0
+
+    @property
+    def watched(self) -> bool:
+        """Whether the speed of every wheel matters, not only its power."""
+        return self.rubbing or self.speed_limited or self.motor_limited
+
+    @property
+    def pays_friction(self) -> bool:
+        """Whether what friction takes is a cost of its own: signed power pays at the end alone."""
+        return self.rubbing and self.power == "signed"
 
     @property
     def error_size(self) -> int:

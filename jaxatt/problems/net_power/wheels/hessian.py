@@ -30,6 +30,7 @@ from jaxatt.problems.net_power.wheels.algebra import (
     symmetric_product,
     times_rows,
 )
+from jaxatt.problems.net_power.wheels.friction_loss import friction_loss_curvature
 from jaxatt.problems.net_power.wheels.kept import Kept
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.rows import Rows
@@ -96,6 +97,10 @@ def lagrangian_hessian(
     for own, weighed in _of_dipoles(rows, stage, p, paid, kept):
         left.append(own)
         right.append(weighed)
+    if form.pays_friction:
+        own, weighed = friction_loss_curvature(kept.wheels, stage, p)
+        left.append(own)
+        right.append(paid * weighed)
     effort = 2.0 * stage.paid * p.effort / p.energy_scale
     of_torques = jnp.diag(rows.row(torques=jnp.ones(form.wheels) * effort))
     return symmetric_product(left, right) + of_torques

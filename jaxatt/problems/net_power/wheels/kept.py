@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 from jax import Array
 
+from jaxatt.problems.net_power.wheels.wheel_limits import Turning
+
 
 class Kept(NamedTuple):
     """What the Hessian of an interval uses again; z is error state, then controls.
@@ -14,6 +16,7 @@ class Kept(NamedTuple):
     back : (3, 3), R(dq)'.  turning : (3, z), turn at the end of the interval by z, other than that
     of the body itself.  sunlit : (6,), Hessian of the sunlight by the turn.
     spins : (2 r, z) [rad/s], wheel speeds of the power by z at both ends, or none.
+    wheels : speeds of all wheels at both ends, or none.
     rates : (6, z) [rad/s], omega_ib by z at the beginning and at the end.
     dipole : (3,) and by_dipole : (3, z) [A m^2], or none.
     """
@@ -24,6 +27,7 @@ class Kept(NamedTuple):
     turning: Array
     sunlit: Array
     spins: Array
+    wheels: Turning
     rates: Array
     dipole: Array
     by_dipole: Array

@@ -14,10 +14,11 @@ from jax import Array
 from jaxatt.optimize.optimal_control import Linearisation
 from jaxatt.problems.net_power.wheels import coordinates as at
 from jaxatt.problems.net_power.wheels.algebra import back, chart, conjugate
+from jaxatt.problems.net_power.wheels.friction_loss import friction_loss, friction_loss_slope
 from jaxatt.problems.net_power.wheels.interval import motion
 from jaxatt.problems.net_power.wheels.interval_cost import interval_cost
 from jaxatt.problems.net_power.wheels.kept import Kept
-from jaxatt.problems.net_power.wheels.margins import margins
+from jaxatt.problems.net_power.wheels.margins import ends_of, margins
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.rows import Rows
 from jaxatt.problems.net_power.wheels.turn import multiplied, times
@@ -70,15 +71,19 @@ def linearisation(
     by_dipole = jnp.zeros((0, rows.width))
     if form.magnetorquers == "managing":
         by_dipole = jnp.stack(by_z(changed[:, 9:12]))
+    rates, by_rates = small[:6], jnp.stack(by_z(changed[:, :6]))
+    ends = ends_of(rows, x, controls, h, rates, by_rates, p)
+    path, path_slope, spins = margins(rows, x, controls, ends, p)
     cost, by_cost, sunlit = interval_cost(rows, x, controls, stage, p, small[9:12], by_dipole)
+    if form.pays_friction:
+        cost = cost + friction_loss(ends.turning.speeds, stage, p)
+        by_cost = by_cost + friction_loss_slope(ends.turning, stage, p)
     if form.charge:
         # The load only empties the battery.
         spent = cost + h * p.load / p.energy_scale
         gap.append((x[-1] - spent - x_next[-1])[None])
         dynamics.append(rows.row(charge=jnp.ones(1)) - by_cost)
     effort = 2.0 * stage.paid * p.effort / p.energy_scale * controls.scaled
-    rates, by_rates = small[:6], jnp.stack(by_z(changed[:, :6]))
-    path, path_slope, spins = margins(rows, x, controls, h, rates, by_rates, p)
     kept = Kept(
         turn=4.0 / jnp.maximum(1.0 + dq[0], 1e-6) * dq[1:],
         chart=jnp.stack([jnp.stack(row) for row in to_gap]),
@@ -86,6 +91,7 @@ def linearisation(
         turning=jnp.stack(turning),
         sunlit=sunlit,
         spins=spins,
+        wheels=ends.turning,
         rates=by_rates,
         dipole=small[9:12],
         by_dipole=by_dipole,

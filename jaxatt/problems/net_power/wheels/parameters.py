@@ -11,6 +11,7 @@ from jax import Array
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import Along, ExternalTorques
 from jaxatt.spacecraft.panels import SolarPanels
+from jaxatt.spacecraft.wheel_motor import WheelMotors
 
 
 class WheelStage(NamedTuple):
@@ -55,6 +56,9 @@ OF_MANOEUVRE = frozenset(
         "reference",
         "reference_rate",
         "reference_stored",
+        "speed_lower",
+        "speed_upper",
+        "motor_limit",
         "load",
         "last_shone",
         "last_sun",
@@ -78,6 +82,9 @@ class WheelsParameters:
     to_rate : (3, k), rate that the body loses to a unit of the wheels' coordinates.
     to_stored : (k, n) [1/s], derivative of these by the scaled torques.
     axes : (3, n).  wheel_inertia : (n,).  torque_limit : (n,) [N m], of a unit of a control.
+    motors : of the wheels, friction in shares of the torque limits.
+    speed_lower, speed_upper : (n,) [rad/s], range of every wheel.  motor_limit : (n,), share of the
+        motors' torque that may be used.
     momentum_scale : () [kg m^2].  energy_scale : () [J].  power_scale : () [W].
     taken, returned : () of the wheels' power: what it costs per watt where it is positive, and
         where it is negative.
@@ -107,6 +114,10 @@ class WheelsParameters:
     axes: Array
     wheel_inertia: Array
     torque_limit: Array
+    motors: WheelMotors
+    speed_lower: Array
+    speed_upper: Array
+    motor_limit: Array
     momentum_scale: Array
     energy_scale: Array
     power_scale: Array

@@ -22,6 +22,7 @@ from jaxatt.attitude.state_manifold import difference, retract
 from jaxatt.optimize.optimal_control import OptimalControlProgram
 from jaxatt.problems.net_power.wheels import coordinates as at
 from jaxatt.problems.net_power.wheels.form import WheelsForm
+from jaxatt.problems.net_power.wheels.friction_loss import friction_loss
 from jaxatt.problems.net_power.wheels.hessian import lagrangian_hessian
 from jaxatt.problems.net_power.wheels.interval import Motion, motion
 from jaxatt.problems.net_power.wheels.linearisation import linearisation
@@ -30,6 +31,7 @@ from jaxatt.problems.net_power.wheels.parameters import WheelsParameters, WheelS
 from jaxatt.problems.net_power.wheels.rows import Rows
 from jaxatt.problems.net_power.wheels.sunlight import collected
 from jaxatt.problems.net_power.wheels.turn import multiplied
+from jaxatt.problems.net_power.wheels.wheel_limits import limit_rows
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_rows, rolled_rate
 from jaxatt.simulation.momentum_model import to_body
 
@@ -58,6 +60,9 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         sun = to_body(at.quaternion(x), at.parts(stage.sun))
         total = -stage.shone * collected(p.panels, sun, p.smoothing).area
         total = total + 0.5 * stage.paid * p.power_scale * jnp.sum(controls.powers)
+        if form.pays_friction:
+            speeds = end_speeds(x, controls, stage, p, found)
+            total = total + p.energy_scale * friction_loss(speeds, stage, p)
         if form.magnetorquers == "managing":
             dipole = jnp.stack(found.dipole)
             sizes = jnp.sqrt(dipole * dipole + p.rounding * p.rounding) - p.rounding
@@ -70,11 +75,18 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
             total = total + stage.paid * jnp.sum(p.dipole_loss * decided**2)
         return total / p.energy_scale
 
+    def end_speeds(
+        x: Array, controls: at.Controls, stage: WheelStage, p: WheelsParameters, found: Motion
+    ) -> Array:
+        y = at.stored(x, form)
+        y_end = y + stage.step * at.product(p.to_stored, controls.scaled)
+        return jnp.stack([at.own_speeds(y, found.rate, p), at.own_speeds(y_end, found.end_rate, p)])
+
     def inequality(x: Array, u: Array, stage: WheelStage, p: WheelsParameters) -> Array:
         rows = []
+        controls = at.split(u, form)
+        found = motion(at.course(x, u, p, form), stage.step, stage.along, p, form)
         if form.powers:
-            found = motion(at.course(x, u, p, form), stage.step, stage.along, p, form)
-            controls = at.split(u, form)
             y = at.stored(x, form)
             y_end = y + stage.step * at.product(p.to_stored, controls.scaled)
             first = at.wheel_power(y, found.rate, controls.scaled, p, form)
@@ -87,7 +99,11 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
                 ]
         if form.charge:
             rows.append(x[-1] - p.floor)
-        return jnp.stack(rows)
+        limits: list[Array] = []
+        if form.speed_limited or form.motor_limited:
+            speeds = end_speeds(x, controls, stage, p, found)
+            limits = limit_rows(speeds, controls.scaled, p, form)
+        return jnp.concatenate([*([jnp.stack(rows)] if rows else []), *limits])
 
     def final_rows(x: Array, p: WheelsParameters) -> Array:
         omega = jnp.stack(at.rate(x, p, form))
@@ -111,7 +127,7 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
     settled = form.end == "reach" and not (
         form.power == "signed" and (form.torqued or form.wheels > 3)
     )
-    limited = form.powers > 0 or form.charge
+    limited = form.powers > 0 or form.charge or form.speed_limited or form.motor_limited
     return OptimalControlProgram(
         start=lambda p: p.start,
         stages=lambda p: p.stages,

@@ -16,6 +16,7 @@ from jaxatt.problems.net_power.wheels.rolled_out import rolled_out
 from jaxatt.problems.net_power.wheels.solve import in_steps, solve_in_fine_steps, solve_wheels
 from jaxatt.problems.net_power.wheels.starts import Starts, draw_all, filled
 from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
+from jaxatt.problems.net_power.wheels.within_limits import within_limits
 from jaxatt.runtime.arrays import Counts
 from jaxatt.runtime.chunks import Report
 from jaxatt.runtime.lengths import shared_length
@@ -49,8 +50,22 @@ def search_wheels(
     room : manoeuvres that the program has room for, at least; so that it serves fewer, too.
 
     Long manoeuvres are solved from all starts on longer intervals, and the best few answers then on
-    their own.
+    their own.  Wheels and their motors are kept within their limits.
     """
+    room = max(room, len(manoeuvres))
+    return within_limits(
+        manoeuvres, lambda some: _searched(some, count, seed, report, shared, room)
+    )
+
+
+def _searched(
+    manoeuvres: Sequence[Manoeuvre],
+    count: int,
+    seed: int,
+    report: Report | None,
+    shared: bool,
+    room: int,
+) -> tuple[Solved, ...]:
     intervals = manoeuvres[0].intervals
     size = shared_length(intervals) if shared else None
     least = _SHARED_STEPS if shared else 1

@@ -48,7 +48,7 @@ def sensitive_wheels(
 
     manoeuvre_of : a changed scenario -> its manoeuvre.  best : index of the answer.
     """
-    manoeuvre = manoeuvre_of(scenario)
+    manoeuvre = replace(manoeuvre_of(scenario), limits=solved.limits)
     edges = _edges(manoeuvre)
     task = wheels_task(manoeuvre, solved.substeps, edges=edges)
     check_unknowns(scenario, len(task.held), task.form.controls)
@@ -56,7 +56,8 @@ def sensitive_wheels(
     form = _moving(task.form)
 
     def arguments(changed: Scenario) -> WheelsParameters:
-        other = wheels_task(manoeuvre_of(changed), form.substeps, edges=edges)
+        again = replace(manoeuvre_of(changed), limits=solved.limits)
+        other = wheels_task(again, form.substeps, edges=edges)
         if _moving(other.form) != form:
             raise ScenarioError(
                 "what is carried along a manoeuvre would change, e.g. one speed for all wheels to "

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -164,4 +165,7 @@ def _solved(
         iterations=np.asarray(solution.iterations),
         substeps=form.substeps,
     )
-    return tuple(whole.pick(np.flatnonzero(of == number)) for number in range(len(tasks)))
+    return tuple(
+        replace(whole.pick(np.flatnonzero(of == number)), limits=task.manoeuvre.limits)
+        for number, task in enumerate(tasks)
+    )

@@ -23,6 +23,7 @@ from jaxatt.problems.net_power.wheels.paths import references, ways
 from jaxatt.problems.net_power.wheels.task import WheelsTask
 from jaxatt.problems.net_power.wheels.turn import turned
 from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft.wheel_motor import friction
 
 _BANDWIDTH = 0.4
 """Of the feedback, times the length of an interval; at most `_FASTEST`."""
@@ -159,15 +160,8 @@ def with_powers(
     p, form = task.parameters, task.form
     parts = [scaled]
     if form.powers:
-        torque = scaled * np.asarray(p.torque_limit)
         speeds = _speeds(task, total, x)
-        if form.power == "body":
-            pushed = torque @ np.asarray(p.axes).T
-            ends = [
-                (pushed * spins).sum(-1, keepdims=True) for spins in (speeds[:, :-1], speeds[:, 1:])
-            ]
-        else:
-            ends = [torque * spins for spins in (speeds[:, :-1], speeds[:, 1:])]
+        ends = [_powers(task, scaled, spins) for spins in (speeds[:, :-1], speeds[:, 1:])]
         power = np.concatenate(ends, axis=-1) / scale[:, None, None]
         parts.append(np.maximum(float(p.taken) * power, -float(p.returned) * power) + room)
     if form.dipoles:
@@ -176,8 +170,23 @@ def with_powers(
     return np.concatenate(parts, axis=-1)
 
 
+def _powers(task: WheelsTask, scaled: Floats, speeds: Floats) -> Floats:
+    """Power (..., c) [W] of the wheels; see `coordinates.wheel_power`."""
+    p, form = task.parameters, task.form
+    if form.rubbing:
+        scaled = scaled + np.asarray(friction(p.motors, speeds))
+    torque = scaled * np.asarray(p.torque_limit)
+    if form.power == "wheels":
+        each: Floats = torque * speeds
+        return each
+    axes = np.asarray(p.axes).T
+    turning = speeds @ axes if form.each else speeds
+    total: Floats = (torque @ axes * turning).sum(-1, keepdims=True)
+    return total
+
+
 def _speeds(task: WheelsTask, total: Floats, x: Floats) -> Floats:
-    """Wheel speeds as the power needs them at all nodes; see `coordinates.wheel_speeds`."""
+    """Wheel speeds at all nodes, of every wheel or their sum; see `coordinates.wheel_speeds`."""
     p, form = task.parameters, task.form
     y = x[..., 4 : 4 + form.stored]
     held = total[:, None]
@@ -189,5 +198,5 @@ def _speeds(task: WheelsTask, total: Floats, x: Floats) -> Floats:
     if not form.each:
         summed: Floats = y @ np.asarray(p.without_spin).T / inertia[0] - omega @ (axes @ axes.T)
         return summed
-    speeds = float(p.momentum_scale) * y / inertia - omega @ axes
-    return speeds @ axes.T if form.power == "body" else speeds
+    own: Floats = float(p.momentum_scale) * y / inertia - omega @ axes
+    return own

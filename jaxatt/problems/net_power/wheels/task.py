@@ -11,12 +11,14 @@ import numpy as np
 
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import ExternalTorques
+from jaxatt.problems.motor_torques import in_shares
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, Satellite
 from jaxatt.problems.net_power.sun_directions import Directions, best_directions
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.longer import at_nodes
 from jaxatt.problems.net_power.wheels.parameters import Management, WheelsParameters, WheelStage
 from jaxatt.problems.net_power.wheels.sampling import environment, sun_along
+from jaxatt.problems.wheel_speeds import speed_range
 from jaxatt.runtime.arrays import Counts, Floats
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.battery import Battery
@@ -80,6 +82,7 @@ def wheels_task(
     total = rotation(q) @ (arms.inertia @ omega + arms.axes @ (arms.wheel_inertia * spin))
     steps = substeps or manoeuvre.substeps or 1
     form = _form(manoeuvre, arms, float(np.linalg.norm(total)), steps)
+    slowest, fastest, share = _ranges(manoeuvre, spin)
     axial = arms.wheel_inertia * (spin + arms.axes.T @ omega)
     start = [q, arms.coordinates(axial, form)]
     power = _Power.of(satellite, craft, manoeuvre, arms, spin)
@@ -110,6 +113,10 @@ def wheels_task(
         axes=arms.axes,
         wheel_inertia=arms.wheel_inertia,
         torque_limit=arms.torque_limit,
+        motors=in_shares(craft.wheels),
+        speed_lower=slowest,
+        speed_upper=fastest,
+        motor_limit=share,
         momentum_scale=np.asarray(arms.scale),
         energy_scale=np.asarray(power.energy_scale),
         power_scale=np.asarray(power.power_scale),
@@ -217,17 +224,35 @@ def _form(manoeuvre: Manoeuvre, arms: _Arms, total: float, substeps: int) -> Whe
     speeds = end is not None and end.omega_bw is not None and manoeuvre.terminal != "penalty"
     magnetorquers = "decided" if satellite.decided_dipole else "managing" if managing else "none"
     still = total <= _STILL * arms.scale
+    wheels, limited = satellite.craft.wheels, manoeuvre.limits is not None
+    speed_limited = limited and wheels.has_speed_limits
+    motor_limited = limited and not wheels.motors.ideal
+    rubbing = wheels.motors.rubbing
+    watched = speed_limited or motor_limited or rubbing
     return WheelsForm(
         wheels=arms.axes.shape[1],
         momentum="carried" if torqued else "zero" if still else "constant",
         power=satellite.wheel_power,
-        each=satellite.wheel_power == "wheels" or speeds or not arms.alike,
+        each=satellite.wheel_power == "wheels" or speeds or watched or not arms.alike,
+        rubbing=rubbing,
+        speed_limited=speed_limited,
+        motor_limited=motor_limited,
         magnetorquers=magnetorquers if torqued else "none",
         end=_kind_of_end(manoeuvre),
         speeds=speeds,
         charge=math.isfinite(manoeuvre.floor),
         substeps=substeps,
     )
+
+
+def _ranges(manoeuvre: Manoeuvre, spin: Floats) -> tuple[Floats, Floats, Floats]:
+    """Lowest and highest speed of each wheel [rad/s], and the share of its motor's torque, (n,)."""
+    limits = manoeuvre.limits
+    if limits is None:
+        endless = np.full(len(spin), np.inf)
+        return -endless, endless, np.ones(len(spin))
+    wheels = manoeuvre.satellite.craft.wheels
+    return *speed_range(wheels, spin, limits.slower, limits.every_band), 1.0 - limits.weaker
 
 
 def _kind_of_end(manoeuvre: Manoeuvre) -> str:
