@@ -8,12 +8,14 @@ from printed_cases import chapter_4
 
 from jaxatt.optimize.status import Status
 from jaxatt.problems.motor_torques import motor_excess
-from jaxatt.problems.net_power.answers import flown_again
+from jaxatt.problems.net_power.flight import fly
 from jaxatt.problems.net_power.found import Solved
+from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import WheelLimits
-from jaxatt.problems.net_power.wheels.search import search_wheels
+from jaxatt.problems.net_power.wheels.batch import SETTINGS, solve_starts
+from jaxatt.problems.net_power.wheels.starts import draw_starts
 from jaxatt.problems.net_power.wheels.task import wheels_task
-from jaxatt.problems.net_power.wheels.within_limits import within_limits
+from jaxatt.problems.net_power.wheels.within_limits import keeping_to, within_limits
 from jaxatt.problems.wheel_speeds import speed_excess
 from jaxatt.spacecraft.speed_bands import speed_bands
 from jaxatt.spacecraft.wheel_motor import FRICTION_WIDTH, wheel_motors
@@ -63,7 +65,7 @@ def test_a_search_is_repeated_with_what_its_answer_breaks_and_only_then(stay):
     assert second.limits.every_band == (stay > 0.0)
 
 
-def least_cost(task, solved, best, flown):
+def least_cost(task, torque, flown):
     """Least cost [J] of the same problem by IPOPT, effort included, from an answer."""
     import casadi as ca
 
@@ -89,8 +91,7 @@ def least_cost(task, solved, best, flown):
     opti = ca.Opti()
     u, x = opti.variable(n, INTERVALS), opti.variable(7 + n, INTERVALS + 1)
     m = opti.variable(2 * n, INTERVALS)
-    torque = solved.torque[best]
-    states = np.concatenate([flown.q_ib[best], flown.omega_ib[best], flown.omega_bw[best]], axis=1)
+    states = np.concatenate([flown.q_ib[0], flown.omega_ib[0], flown.omega_bw[0]], axis=1)
     opti.set_initial(u, torque.T / limit[:, None])
     opti.set_initial(x, states.T)
     opti.set_initial(m, 0.2)
@@ -135,17 +136,18 @@ def test_net_energy_is_ipopts_where_speed_and_torque_bind():
     given = dataclasses.replace(chapter_4(), intervals=INTERVALS, duration=30.0, substeps=1)
     motors = wheel_motors(3, COULOMB, VISCOUS, FULL, NONE)
     manoeuvre = with_wheels(given, motors=motors, speed_limit=np.full(3, FASTEST))
-    (solved,) = search_wheels([manoeuvre], 4, 0)
-    assert solved.limits is not None
-    found = flown_again(manoeuvre, solved)
-    best, flown, wheels = found.best, found.flight, manoeuvre.satellite.craft.wheels
-    assert found.reached[best]
-    # Both bind.
-    speeds, torque = flown.omega_bw[best][None], flown.wheel_torque[best][None]
-    assert speed_excess(wheels, speeds).max() > -1e-3
-    assert motor_excess(wheels, torque, speeds).max() > -1e-3
-    task = wheels_task(dataclasses.replace(manoeuvre, limits=solved.limits), solved.substeps)
-    least = least_cost(task, solved, best, flown)
-    shares = solved.torque[best] / np.asarray(wheels.torque_limit)
-    effort = float(task.parameters.effort) * manoeuvre.step * (shares**2).sum()
-    assert effort - solved.claimed[best] == pytest.approx(least, rel=1e-6)
+    task = wheels_task(keeping_to(manoeuvre))
+    settings = dataclasses.replace(SETTINGS, tolerance=1e-9, max_iterations=150)
+    solution = solve_starts([task], draw_starts(task, 4, 0), settings)
+    converged = solution.status == int(Status.CONVERGED)
+    assert converged.any()
+    best = int(np.argmin(np.where(converged, solution.objective, np.inf)))
+    wheels, limit = manoeuvre.satellite.craft.wheels, np.asarray(task.parameters.torque_limit)
+    torque = np.asarray(solution.u)[best : best + 1, :INTERVALS, :3] * limit
+    flown = fly(manoeuvre, torque)
+    # It arrives, and both limits bind without being broken at the nodes.
+    assert judge_flight(manoeuvre, flown).arrives[0]
+    assert -1e-3 < speed_excess(wheels, flown.omega_bw).max() < 1e-6
+    assert -1e-3 < motor_excess(wheels, torque, flown.omega_bw).max() < 1e-6
+    cost = float(solution.objective[best] * task.parameters.energy_scale)
+    assert cost == pytest.approx(least_cost(task, torque[0], flown), rel=1e-6)
