@@ -18,6 +18,7 @@ _AMPLITUDE = 0.003
 _SPREAD = 1.5
 _RELATIVE_NOISE = 0.3
 _SHARED = 256
+"""Numbers drawn for a start are multiples of this, so that programs are shared."""
 
 
 class Starts(NamedTuple):
