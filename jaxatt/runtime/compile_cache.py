@@ -5,6 +5,7 @@ What lies there is run as it is, so a folder that others may write into is not u
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import platform
@@ -33,15 +34,21 @@ def user_cache() -> Path:
     return platformdirs.user_cache_path("jaxatt", appauthor=False) / "compiled"
 
 
-def machine_cache() -> Path:
-    """The part of the user's folder for this processor and this version of JAX.
+@functools.cache
+def machine() -> str:
+    """Digest of this processor and this version of JAX.
 
     Programs for other processors may end a process, and home folders are shared by machines.
     """
     words = [platform.machine(), version("jax"), version("jaxlib")]
     with suppress(OSError), open("/proc/cpuinfo", encoding="utf-8") as lines:
         words.append(next((line for line in lines if line.startswith(("flags", "Features"))), ""))
-    return user_cache() / hashlib.sha256(" ".join(words).encode()).hexdigest()[:16]
+    return hashlib.sha256(" ".join(words).encode()).hexdigest()[:16]
+
+
+def machine_cache() -> Path:
+    """The part of the user's folder for this processor and this version of JAX."""
+    return user_cache() / machine()
 
 
 def make_private(folder: Path) -> str:

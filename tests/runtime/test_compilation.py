@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxatt.runtime import compilation
+from jaxatt.runtime import kept_programs
 from jaxatt.runtime.clock import covered
 from jaxatt.runtime.compilation import Routine
 
@@ -75,10 +75,10 @@ def test_a_program_compiled_ahead_is_not_compiled_again(pool, compilations):
 
 
 def test_what_goes_wrong_in_the_thread_is_raised_by_the_call(pool, monkeypatch):
-    def fail(lowered, run):
+    def fail(lowered, file):
         raise RuntimeError("out of memory")
 
-    monkeypatch.setattr(compilation, "_compile", fail)
+    monkeypatch.setattr(kept_programs, "compiled", fail)
     routine = fresh()
     routine.begin(pool, CUBE, X, 2.0)
     with pytest.raises(RuntimeError, match="out of memory"):
@@ -101,12 +101,14 @@ def test_a_kept_program_is_loaded_without_tracing_and_gives_the_same_bits(pool, 
     assert len(list(folder.iterdir())) == 2
 
 
-@pytest.mark.parametrize("change", ["code", "setting", "types"])
+@pytest.mark.parametrize("change", ["code", "machine", "setting", "types"])
 def test_a_program_kept_under_other_circumstances_is_left_alone(pool, folder, change, monkeypatch):
     ahead(fresh(), pool, CUBE, X, 2.0)
     x = X
     if change == "code":
-        monkeypatch.setattr(compilation, "source_digest", lambda: "edited")
+        monkeypatch.setattr(kept_programs, "source_digest", lambda: "edited")
+    elif change == "machine":
+        monkeypatch.setattr(kept_programs, "machine", lambda: "another")
     elif change == "types":
         x = X.astype(np.float32)
     before = jax.config.jax_default_matmul_precision
@@ -118,11 +120,14 @@ def test_a_program_kept_under_other_circumstances_is_left_alone(pool, folder, ch
     assert len(list(folder.iterdir())) == 2
 
 
-def test_a_damaged_file_is_replaced(pool, folder):
+@pytest.mark.parametrize("one_bit", [False, True])
+def test_a_damaged_file_is_replaced(pool, folder, one_bit):
     ahead(fresh(), pool, CUBE, X, 2.0)
     (file,) = folder.iterdir()
-    file.write_bytes(file.read_bytes()[:100])
-    with pytest.warns(UserWarning, match="not a traced program"):
+    content = bytearray(file.read_bytes())
+    content[int(np.random.default_rng(8).integers(len(content)))] ^= 1
+    file.write_bytes(content if one_bit else content[:100])
+    with pytest.warns(UserWarning, match="not a compiled program"):
         found = ahead(fresh(), pool, CUBE, X, 2.0)
     np.testing.assert_array_equal(found, 2.0 * X**3)
     assert len(TRACED) == 2

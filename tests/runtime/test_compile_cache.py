@@ -63,8 +63,19 @@ def test_damaged_files_are_named_and_compiled_again(home):
     done = run(home, *SOLVE, "--out", "damaged")
     assert done.returncode == 0, done.stderr
     assert answer(home, "damaged") == answer(home, "first")
-    assert "is replaced" in done.stderr
+    assert "is removed" in done.stderr
     assert all(line.startswith("Warning: ") for line in done.stderr.splitlines()), done.stderr
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="folders of Linux")
+def test_programs_that_only_the_cache_of_jax_has_are_run(home):
+    (folder,) = (home / "cache/jaxatt/compiled").iterdir()
+    for path in (folder / "jaxatt").iterdir():
+        path.unlink()
+    for out in ("third", "fourth"):
+        done = run(home, *SOLVE, "--out", out)
+        assert done.returncode == 0, done.stderr
+        assert answer(home, out) == answer(home, "first")
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="folders of Linux")
