@@ -10,15 +10,22 @@ import tempfile
 from pathlib import Path
 
 # One compilation cache for all workers of a run and the notebooks' kernels; set before JAX starts.
+# Even the smallest programs are kept: there are thousands of them, and both workers need them.
 _OWN_CACHE = "JAX_COMPILATION_CACHE_DIR" not in os.environ
 if _OWN_CACHE:
     os.environ["JAX_COMPILATION_CACHE_DIR"] = tempfile.mkdtemp(prefix="jaxatt-compiled-")
-    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0.1"
+    os.environ["JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"] = "0"
 
-# What a test runs is short beside what it compiles: LLVM's passes cost more than they gain.
+# What a test runs is short beside what it compiles: LLVM's passes cost more than they gain, and the
+# fusion emitters double what a small program takes.
 os.environ.setdefault(
-    "XLA_FLAGS", "--xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
+    "XLA_FLAGS",
+    "--xla_backend_optimization_level=0 --xla_cpu_parallel_codegen_split_count=1"
+    " --xla_cpu_use_fusion_emitters=false",
 )
+
+# Tracing makes very many objects that live on; looking through them took a twentieth of the time.
+gc.set_threshold(50_000, 20, 20)
 
 import jax  # noqa: E402
 import pytest  # noqa: E402

@@ -35,7 +35,8 @@ def run_notebook(name: str, folder: Path, probe: str = "") -> Any:
             "argv": [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"],
             "display_name": "this Python",
             "language": "python",
-            "env": {"MPLBACKEND": "agg"},
+            # Compiled as users have it; the tests leave LLVM's passes out (tests/conftest.py).
+            "env": {"MPLBACKEND": "agg", "XLA_FLAGS": ""},
         }
         (kernel / "kernel.json").write_text(json.dumps(specification), encoding="utf-8")
         known = KernelSpecManager(kernel_dirs=[str(folder / "kernels")])
