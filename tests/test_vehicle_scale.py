@@ -27,7 +27,7 @@ CASES = {
     "thrusters": ("eseo-3", {}, 4),
     "time and effort": ("mrp-k3-rk4", {**TURN, "objective": {"kind": "time-effort"}}, 6),
     "least time": ("mrp-k3-rk4", {**TURN, "objective": {"kind": "minimum-time"}}, 6),
-    "net power": ("hypso1-netpower", {"horizon.intervals": 24}, 4),
+    "net power": ("hypso1-netpower", {"horizon.intervals": 20}, 4),
 }
 """Slews are disturbed, and wheels store momentum where time counts."""
 LONG = ("printed cost", "net power")
