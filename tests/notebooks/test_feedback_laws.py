@@ -29,7 +29,8 @@ print(json.dumps({
 
 @pytest.fixture(scope="module")
 def notebook(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    return run_notebook("feedback_laws", tmp_path_factory.mktemp("notebook"), PROBE)
+    folder = tmp_path_factory.mktemp("notebook")
+    return run_notebook("feedback_laws", folder, PROBE, optimised=False)
 
 
 @pytest.fixture(scope="module")
