@@ -12,10 +12,12 @@ NOTEBOOKS = Path(__file__).parent.parent / "notebooks"
 CELL_TIMEOUT_S = 600
 
 
-def run_notebook(name: str, folder: Path, probe: str = "") -> Any:
+def run_notebook(name: str, folder: Path, probe: str = "", optimised: bool = True) -> Any:
     """Run a percent script in a fresh kernel of this very Python; return the executed notebook.
 
     probe : a last cell that only the test adds, to print what the notebook's variables hold.
+    optimised : compiled as users have it; otherwise as in tests (tests/conftest.py), whose programs
+    it shares: for notebooks that compile for longer than they run.
 
     Raises `nbclient.exceptions.CellExecutionError` where a cell fails.
     """
@@ -35,7 +37,7 @@ def run_notebook(name: str, folder: Path, probe: str = "") -> Any:
             "argv": [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"],
             "display_name": "this Python",
             "language": "python",
-            "env": {"MPLBACKEND": "agg"},
+            "env": {"MPLBACKEND": "agg"} | ({"XLA_FLAGS": ""} if optimised else {}),
         }
         (kernel / "kernel.json").write_text(json.dumps(specification), encoding="utf-8")
         known = KernelSpecManager(kernel_dirs=[str(folder / "kernels")])

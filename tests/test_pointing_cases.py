@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 import pytest
-from references import reflight, wheeled_body
+from references import reflight
 
 import jaxatt
 from jaxatt import scenarios
@@ -34,12 +34,6 @@ def unconstrained(attitude=(90.0, 45.0, 15.0)):
     return scenario, result, reflight.refly(scenario, result, PIECES)[0][1]
 
 
-def attitude(flight, k):
-    """R_ib at a sample."""
-    frame = wheeled_body.orbit_frame(flight.r[k], flight.v[k])
-    return frame @ wheeled_body.rotation(flight.q[k])
-
-
 def unit(vector):
     return vector / np.linalg.norm(vector)
 
@@ -60,7 +54,7 @@ AWAY = {**OUT_OF_THE_WAY[0], "name": "needle 2", "direction_inertial": [0.1, 0.2
 
 def random_cone(rng, flight):
     """A keep-out cone that the flight crosses, which holds neither its start nor its end."""
-    attitudes = [attitude(flight, k) for k in range(len(flight.q))]
+    attitudes = flight.attitudes
     while True:
         boresight = unit(rng.normal(size=3))
         middle = attitudes[rng.integers(len(attitudes) // 3, 2 * len(attitudes) // 3)]
@@ -108,9 +102,9 @@ def test_a_slew_goes_round_a_direction_that_moves():
     assert np.degrees(np.arccos(sight[0] @ sight[-1])) > 1.0
 
     def angles(flight, boresight):
-        seen = np.array([attitude(flight, k) @ boresight for k in range(len(flight.q))])
         ahead = flight.v / np.linalg.norm(flight.v, axis=-1, keepdims=True)
-        return np.arccos(np.clip((seen * ahead).sum(axis=-1), -1.0, 1.0))
+        seen = (flight.attitudes @ boresight * ahead).sum(axis=-1)
+        return np.arccos(np.clip(seen, -1.0, 1.0))
 
     for boresight in map(unit, np.random.default_rng(12).normal(size=(500, 3))):
         off = angles(crossing, boresight)
@@ -131,7 +125,7 @@ def test_a_slew_goes_round_a_direction_that_moves():
 
 def test_a_cone_that_does_not_bind_changes_nothing():
     _, plain, crossing = unconstrained()
-    far = -attitude(crossing, 0) @ np.array([0.0, 0.0, 1.0])
+    far = -crossing.attitudes[0] @ np.array([0.0, 0.0, 1.0])
     scenario = short(keep_out=[keep_out("radiator", [0.0, 0.0, 1.0], far, 0.3)])
     result = jaxatt.solve(scenario)
     np.testing.assert_array_equal(result.phases[0].controls, plain.phases[0].controls)
@@ -141,7 +135,7 @@ def test_a_cone_that_does_not_bind_changes_nothing():
 def test_a_wall_of_cones_is_named_as_the_obstacle():
     _, _, crossing = unconstrained()
     boresight = np.array([0.0, 0.0, 1.0])
-    begin, end = (attitude(crossing, k) @ boresight for k in (0, -1))
+    begin, end = (crossing.attitudes[k] @ boresight for k in (0, -1))
     assert np.arccos(begin @ end) > np.deg2rad(60.0)
     # Three cones about the plane between start and end that overlap: no way leads through.
     pole, meridian = unit(begin - end), unit(begin + end)
@@ -180,7 +174,7 @@ def test_a_boresight_is_kept_within_a_cone():
     rng = np.random.default_rng(9)
     for boresight in rng.normal(size=(500, 3)):
         boresight = unit(boresight)
-        begin, middle, end = (attitude(crossing, k) @ boresight for k in (0, PIECES * 12, -1))
+        begin, middle, end = (crossing.attitudes[k] @ boresight for k in (0, PIECES * 12, -1))
         between = unit(begin + end)
         bulge = unit(middle - (middle @ between) * between)
         # To the side that the way bulges away from, so that its middle is the farthest.
@@ -236,7 +230,7 @@ def test_judges_see_between_the_nodes():
     boresight = np.array([0.0, 0.0, 1.0])
     # The direction where the boresight is in the middle of an interval, halfway.
     middle = PIECES * 12 + PIECES // 2
-    direction = attitude(crossing, middle) @ boresight
+    direction = crossing.attitudes[middle] @ boresight
     angle = reflight.cone_angle(crossing, boresight, direction)
     assert angle.min() < 0.5 * angle[::PIECES].min()
     half = 0.8 * angle[::PIECES].min()

@@ -38,12 +38,13 @@ def fly(scenario, thrust, step):
 
 def test_thrusters_turn_past_sun_and_moon():
     scenario = scenarios.replace(
-        scenarios.load("eseo-1-keep-out"), {"solver.starts": 4, "horizon.coast_intervals": 2}
+        scenarios.load("eseo-1-keep-out"),
+        {"solver.starts": 4, "horizon.coast_intervals": 2, "horizon.intervals": 45},
     )
     result = jaxatt.solve(scenario)
     phase = result.phases[0]
     assert result.reached, phase.failure_reason
-    assert 10 <= result.active_intervals <= 14
+    assert 5 <= result.active_intervals <= 14
     turned, rates = fly(scenario, phase.series["torque_thrusters"], phase.step)
     target = wheeled_body.rotation(scenario.targets[0].q_ob)
     assert np.linalg.norm(turned[-1] - target) < 1e-3 and np.linalg.norm(rates[-1]) < 1e-4

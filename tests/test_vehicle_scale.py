@@ -74,9 +74,13 @@ def test_the_same_motion_with_torques_in_proportion_and_nothing_compiled_again(n
     base = case(name)
     want = solve(base).phases[0]
     assert want.reached, want.failure_reason
+    if name == "least time":
+        # 0.042 N m s must leave the z wheel and enter the y wheel, at 0.006 N m: a bound.
+        assert want.final_time == pytest.approx(14.0, rel=1e-4)
+        assert build_time_task(base).form.body.substeps > 4
     compilations.clear()
     rng = np.random.default_rng([16, list(CASES).index(name)])
-    for factor in 10.0 ** rng.uniform(-6.0, 6.0, 3):
+    for factor in 10.0 ** (np.array([-1.0, 1.0]) * rng.uniform(1.0, 6.0, 2)):
         phase = solve(multiplied(base, factor)).phases[0]
         assert phase.reached, f"times {factor:.3g}: {phase.failure_reason}"
         np.testing.assert_array_equal(phase.active, want.active)

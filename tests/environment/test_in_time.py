@@ -42,6 +42,7 @@ def times(count=200):
     return np.sort(np.random.default_rng(3).uniform(0.0, LAST, count))
 
 
+@jax.jit
 def at(environment, moments):
     return jax.vmap(environment.at)(jnp.asarray(moments))
 
@@ -96,18 +97,18 @@ def test_shadow_is_that_of_the_orbit(task, environment):
 @pytest.mark.parametrize("name", ["lit", "moving"])
 def test_derivatives_in_time_are_those_of_the_values(environment, name):
     table, moments = getattr(environment, name), jnp.asarray(times(50))
-    value, slope, bend = jax.vmap(table.to_second_order)(moments)
+    value, slope, bend = jax.jit(jax.vmap(table.to_second_order))(moments)
     h = 2.0
-    ahead, behind = (jax.vmap(table.at)(moments + s * h) for s in (1.0, -1.0))
+    ahead, behind = (at(table, moments + s * h) for s in (1.0, -1.0))
     size = np.abs(np.asarray(value)).max(axis=0, keepdims=True)
     rate = 1.2e-3
     central = np.asarray(ahead - behind) / (2.0 * h)
     assert (np.abs(np.asarray(slope) - central) / size).max() < 1e-4 * rate
     second = np.asarray(ahead - 2.0 * value + behind) / h**2
     assert (np.abs(np.asarray(bend) - second) / size).max() < 1e-2 * rate**2
-    differentiated = jax.vmap(jax.jacfwd(table.at))(moments)
+    differentiated = jax.jit(jax.vmap(jax.jacfwd(table.at)))(moments)
     np.testing.assert_allclose(differentiated / size, slope / size, atol=1e-13)
-    again = jax.vmap(jax.jacfwd(jax.jacfwd(table.at)))(moments)
+    again = jax.jit(jax.vmap(jax.jacfwd(jax.jacfwd(table.at))))(moments)
     np.testing.assert_allclose(again / size, bend / size, atol=1e-13)
 
 
@@ -119,7 +120,7 @@ def test_an_interpolant_is_twice_continuous_and_of_sixth_order():
     errors = []
     for step in (0.2, 0.1):
         table = interpolate(values, 0.0, 3.0, step)
-        found = np.asarray(jax.vmap(table.at)(jnp.asarray(moments)))
+        found = np.asarray(at(table, moments))
         errors.append(np.abs(found - values(moments)).max())
         node = 5 * step
         sides = [table.to_second_order(jnp.asarray(node + side)) for side in (-1e-9, 1e-9)]

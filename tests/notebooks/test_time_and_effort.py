@@ -34,7 +34,8 @@ IPOPT = {
 
 @pytest.fixture(scope="module")
 def notebook(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    return run_notebook("time_and_effort", tmp_path_factory.mktemp("notebook"), PROBE)
+    folder = tmp_path_factory.mktemp("notebook")
+    return run_notebook("time_and_effort", folder, PROBE, optimised=False)
 
 
 @pytest.fixture(scope="module")

@@ -41,9 +41,14 @@ def refly(scenario, result, pieces=1):
         controls = phase.controls
         if scenario.control.axes == "body":
             controls = controls @ np.linalg.pinv(np.asarray(scenario.vehicle.wheels.axes)).T
-        cut, step = np.repeat(controls, pieces, axis=0), phase.step / pieces
         flight = wheeled_body.fly(
-            body_of(scenario), space_of(scenario), *state, cut, step, phase.start_time
+            body_of(scenario),
+            space_of(scenario),
+            *state,
+            controls,
+            phase.step,
+            phase.start_time,
+            pieces,
         )
         state = (flight.q[-1], flight.relative[-1], flight.speeds[-1])
         flights.append((controls, flight))
@@ -52,13 +57,7 @@ def refly(scenario, result, pieces=1):
 
 def cone_angle(flight, boresight, direction):
     """Angles [rad] at all samples between a body-fixed boresight and an inertial direction."""
-    pointed = np.array(
-        [
-            wheeled_body.orbit_frame(r, v) @ wheeled_body.rotation(q) @ boresight
-            for r, v, q in zip(flight.r, flight.v, flight.q, strict=True)
-        ]
-    )
-    return np.arccos(np.clip(pointed @ direction, -1.0, 1.0))
+    return np.arccos(np.clip(flight.attitudes @ boresight @ direction, -1.0, 1.0))
 
 
 def assert_reached(scenario, result, attitude_deg=0.01, rate=1e-5, waypoint_deg=0.1):

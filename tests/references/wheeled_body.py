@@ -6,6 +6,7 @@ The orbit is integrated beside the attitude, so that the package's closed form a
 trial too.
 """
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -107,7 +108,7 @@ def rates(body, space, t, state, wheel_torque):
 
 @dataclass(frozen=True)
 class Flight:
-    """States at the nodes: r, v, q_ob (normalised), w_ib, w_ob, w_bw, each (N + 1, .)."""
+    """States at the samples: r, v, q_ob (normalised), w_ib, w_ob, w_bw, each (n + 1, .)."""
 
     r: np.ndarray
     v: np.ndarray
@@ -116,9 +117,18 @@ class Flight:
     relative: np.ndarray
     speeds: np.ndarray
 
+    @functools.cached_property
+    def attitudes(self):
+        """R_ib at the samples, (n + 1, 3, 3)."""
+        each = zip(self.r, self.v, self.q, strict=True)
+        return np.array([orbit_frame(r, v) @ rotation(q) for r, v, q in each])
 
-def fly(body, space, q, omega_ob, speeds, wheel_torque, step, start_time=0.0):
-    """Fly piecewise constant wheel torques (N, n) with DOP853, restarted at every node."""
+
+def fly(body, space, q, omega_ob, speeds, wheel_torque, step, start_time=0.0, pieces=1):
+    """Fly piecewise constant wheel torques (N, n) with DOP853, restarted at every node.
+
+    pieces : samples an interval.
+    """
     r, v = orbit_state(space)
     if start_time:
         kepler = solve_ivp(
@@ -133,20 +143,21 @@ def fly(body, space, q, omega_ob, speeds, wheel_torque, step, start_time=0.0):
     q = np.asarray(q) / np.linalg.norm(q)
     omega = np.asarray(omega_ob) + rotation(q).T @ orbit_rate(r, v)
     state = np.concatenate([r, v, q, omega, speeds])
-    states = [state]
+    states = state[None]
     for k, torque in enumerate(wheel_torque):
         t = start_time + k * step
         done = solve_ivp(
             lambda t, y, torque=torque: rates(body, space, t, y, torque),
             (t, t + step),
             states[-1],
+            t_eval=np.linspace(t, t + step, pieces + 1)[1:],
             method="DOP853",
             rtol=1e-12,
             atol=1e-12,
         )
         assert done.success, done.message
-        states.append(done.y[:, -1])
-    r, v, q, omega, speeds = np.split(np.array(states), [3, 6, 10, 13], axis=1)
+        states = np.concatenate([states, done.y.T])
+    r, v, q, omega, speeds = np.split(states, [3, 6, 10, 13], axis=1)
     q = q / np.linalg.norm(q, axis=1, keepdims=True)
     relative = np.array([relative_rate(*node) for node in zip(q, omega, r, v, strict=True)])
     return Flight(r, v, q, omega, relative, speeds)

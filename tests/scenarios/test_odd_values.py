@@ -11,7 +11,7 @@ EXAMPLES = settings(
     derandomize=True,
     database=None,
     deadline=None,
-    max_examples=600,
+    max_examples=300,
     suppress_health_check=list(HealthCheck),
 )
 

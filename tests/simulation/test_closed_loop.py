@@ -18,6 +18,9 @@ from jaxatt.simulation.closed_loop import FLYING, NOT_FINITE, TUMBLING
 from jaxatt.simulation.flight import fly_torque
 from jaxatt.spacecraft.dynamics import at_relative_rate
 
+FINE = {"simulation": {"step_s": 0.05}}
+"""Of all flights without a law, so that they compile once."""
+
 
 @pytest.fixture(scope="module")
 def flight():
@@ -30,7 +33,7 @@ def campaign(flight):
 
 
 def test_open_loop_agrees_with_the_full_model():
-    flight = short_flights.flight(simulation={"step_s": 0.05})
+    flight = short_flights.flight(**FINE)
     torque = np.array([2e-4, -1e-4, 1.5e-4])
     flown = simulate(flight, short_flights.ConstantTorque(jnp.asarray(torque))).flown.recorded
     craft, orbit = flight.vehicle, flight.surroundings.orbit
@@ -98,9 +101,7 @@ def test_torques_stay_within_the_wheels(campaign):
 
 
 def test_a_wheel_at_its_speed_limit_is_not_driven_further():
-    fast = short_flights.flight(
-        vehicle={"wheels": {"speed_limit_rad_s": 120.0}}, environment={"gravity_gradient": False}
-    )
+    fast = short_flights.flight(vehicle={"wheels": {"speed_limit_rad_s": 120.0}}, **FINE)
     push = short_flights.ConstantTorque(jnp.asarray([1e-3, 0.0, 0.0]))
     speeds = np.asarray(simulate(fast, push).flown.recorded.omega_bw)[0]
     # The body's own acceleration carries a wheel over by what one sample adds.
@@ -147,8 +148,8 @@ def test_a_law_that_gives_no_number_spoils_its_own_run_only(flight, campaign):
 
 
 def test_a_run_that_tumbles_is_named(flight):
-    law = flight.laws["pd"]
-    wild = dataclasses.replace(flight, timing=dataclasses.replace(flight.timing, tumbling=0.05))
+    law, fine = flight.laws["pd"], short_flights.flight(**FINE)
+    wild = dataclasses.replace(fine, timing=dataclasses.replace(fine.timing, tumbling=0.05))
     pushed = short_flights.ConstantTorque(jnp.asarray([-3e-3, 0.0, 0.0]))
     result = simulate(wild, pushed)
     assert np.asarray(result.flown.what)[0] == TUMBLING

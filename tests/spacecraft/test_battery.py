@@ -54,9 +54,10 @@ def test_an_empty_battery_says_how_much_is_missing():
 def test_charge_can_be_batched_and_differentiated():
     cells = Battery(np.full(4, 100.0), np.linspace(10.0, 90.0, 4), np.ones(4), np.ones(4))
     gained, drawn = np.full(20, 3.0), np.full(20, 1.0)
-    ends = jax.vmap(lambda cell: along_of(cell, gained, drawn)[-1])(cells)
+    ends, slopes = jax.jit(
+        jax.vmap(jax.value_and_grad(lambda cell: along_of(cell, gained, drawn)[-1]))
+    )(cells)
     np.testing.assert_allclose(ends, [50.0, 10.0 + 80.0 / 3.0 + 40.0, 100.0, 100.0])
-    slopes = jax.vmap(jax.grad(lambda cell: along_of(cell, gained, drawn)[-1]))(cells)
     np.testing.assert_allclose(slopes.charge, [1.0, 1.0, 0.0, 0.0])
     np.testing.assert_allclose(slopes.capacity, [0.0, 0.0, 1.0, 1.0])
 

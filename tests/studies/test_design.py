@@ -1,4 +1,4 @@
-"""Numbers of a scenario chosen by descent, beside bisection, scaling laws, grids and re-solves."""
+"""Numbers of a scenario chosen by descent, beside scaling laws, grids and re-solves."""
 
 from __future__ import annotations
 
@@ -68,15 +68,10 @@ def smallest():
     )
 
 
-def test_smallest_torque_limit_is_that_of_bisection(smallest) -> None:
-    most, low, high = smallest.study.at_most, 0.05, 4.0
-    while high / low > 1.0002:
-        middle = np.sqrt(low * high)
-        if times_at(smallest.study, middle)[0] <= most:
-            high = middle
-        else:
-            low = middle
-    assert smallest.values["torque_limit_Nm"] == pytest.approx(high, rel=1e-3)
+def test_a_smaller_torque_limit_takes_too_long_and_a_larger_one_does_not(smallest) -> None:
+    most, found = smallest.study.at_most, smallest.values["torque_limit_Nm"]
+    assert times_at(smallest.study, 0.999 * found)[0] > most
+    assert times_at(smallest.study, 1.001 * found)[0] < most
     assert smallest.measured == pytest.approx(most, rel=1e-4)
 
 
@@ -117,13 +112,10 @@ def test_slopes_are_the_differences_of_answers_followed() -> None:
     assert np.abs(middle.slopes).min() > 0.0
 
 
-@pytest.mark.parametrize(
-    "count", [5, pytest.param(12, marks=pytest.mark.slow)], ids=["coarse", "fine"]
-)
-def test_mounting_is_no_worse_than_a_grid(count: int) -> None:
+def test_mounting_is_no_worse_than_a_grid() -> None:
     found = design(study(MOUNTING))
     evaluator = Evaluator(found.study)
-    shares = np.linspace(0.0, 1.0, count)
+    shares = np.linspace(0.0, 1.0, 5)
     grid = [evaluator.fresh(np.array([a, b])).measured[0] for a in shares for b in shares]
     assert found.measured <= min(grid) * (1.0 + 1e-6)
     assert found.measured < 0.95 * np.median(grid)

@@ -87,6 +87,13 @@ def test_thirteen_degrees_a_second_are_braked_though_the_limit_binds():
     assert 3 <= np.count_nonzero(phase.active) <= 5
 
 
+def test_a_wheel_that_turns_is_no_obstacle():
+    phase = solve(case((0.0, 0.0, 0.0), wheels=(0.0, 0.0, 700.0)), starts=8).phases[0]
+    assert phase.reached, phase.failure_reason
+    assert np.count_nonzero(phase.active) <= 5
+    assert phase.starts.reached.sum() >= 2
+
+
 def test_a_target_that_turns_is_met():
     phase = solve(case((0.0, 0.0, 0.0), target_rate=(0.02, 0.03, -0.02)), starts=8).phases[0]
     assert phase.reached, phase.failure_reason

@@ -12,7 +12,7 @@ NO_TORQUE = 6.0
 
 
 def solved(**changes):
-    given = {"solver.starts": 8, "solver.seed": 3, "horizon.coast_intervals": 0, **changes}
+    given = {"solver.starts": 8, "solver.seed": 3, **changes}
     result = jaxatt.solve(scenarios.replace(scenarios.load("hypso1-90-45-15"), given))
     return result, result.phases[0].series, result.scenario.vehicle.wheels
 

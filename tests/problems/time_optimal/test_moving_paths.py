@@ -65,23 +65,6 @@ def test_a_start_depends_on_seed_and_number_alone():
     assert np.abs(starts_of(task, 3, 6).states - few.states).max() > 1e-3
 
 
-def test_a_quarter_turn_of_a_momentum_takes_as_long_as_wheels_need_to_take_it_over():
-    """0.042 N m s must leave the z wheel and enter the y wheel, at 0.006 N m: 14 s, a bound."""
-    changes = {
-        "objective": {"kind": "minimum-time"},
-        "vehicle": {"use": "hypso1"},
-        "target.axis": [1, 0, 0],
-        "target.angle_deg": 90.0,
-        "initial.wheel_speed_rad_s": [0, 0, 200.0, 0],
-        "horizon.intervals": 20,
-    }
-    task = build_time_task(scenarios.replace(scenarios.load("mrp-k3-rk4"), changes))
-    assert task.form.body.substeps > 4
-    found = search_free_time(task, 4, 0)
-    assert found.reached.all()
-    assert task.intervals * found.step[found.best] == pytest.approx(14.0, rel=1e-4)
-
-
 def test_a_spin_is_braked_on_the_way():
     """3 rad/s at 1 N m and 1 kg m^2: 3 s to brake, longer with half a turn about another axis."""
     changes = {"initial.rate_rad_s": [3.0, 0, 0], "horizon.intervals": 20}

@@ -18,9 +18,10 @@ from jaxatt.problems.time_optimal.search import search_free_time
 
 
 def case(name="mrp-k4-rk4", **changes):
-    """A short turn; always with a longest time, so that all of them compile once."""
-    usual = {"horizon.intervals": 12, "horizon.longest_s": 90.0, "solver.starts": 6}
-    return scenarios.replace(scenarios.load(name), {**usual, **changes})
+    """A short turn; always with a shortest and a longest time, so that all of them compile once."""
+    usual = {"intervals": 12, "shortest_s": 1e-3, "longest_s": 90.0}
+    given = {f"horizon.{key}": value for key, value in usual.items()} | {"solver.starts": 6}
+    return scenarios.replace(scenarios.load(name), given | changes)
 
 
 def kinematics(sigma):
@@ -163,7 +164,8 @@ def test_limits_would_be_broken_without_them():
 
 
 def test_at_the_target_there_is_nothing_to_do():
-    task = build_time_task(case(**{"target.attitude_mrp": [0.0, 0.0, 0.0]}))
+    here = {"target.attitude_mrp": [0.0, 0.0, 0.0], "horizon.shortest_s": None}
+    task = build_time_task(case(**here))
     result = search_free_time(task, 6, 0)
     assert result.step[result.best] == 0.0 and not result.controls.any()
     assert result.reached.all()
