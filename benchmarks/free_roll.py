@@ -63,11 +63,12 @@ FASTEST = {
     "transcription.attitude": "quaternion",
     "horizon.intervals": 30,
 }
+COARSE = {"horizon.intervals": 30, "horizon.coast_intervals": 0}
 CASES = {
     "sparse": Case("hypso1-sun-free-roll", {}, None, "intervals, N m s", _sparse),
     "time": Case("mrp-k3-rk4", FASTEST, (0.0, 0.0, 1.0), "s", _time),
     "energy": Case("hypso1-netpower", {}, (0.0, 0.0, 1.0), "J spent", _energy),
-    "thrusters": Case("eseo-1", {}, (0.0, 0.0, 1.0), "intervals, N m s", _sparse),
+    "thrusters": Case("eseo-1", COARSE, (0.0, 0.0, 1.0), "intervals, N m s", _sparse),
 }
 
 
