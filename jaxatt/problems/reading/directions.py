@@ -151,7 +151,7 @@ def _check_clear(
     """Refuse a satellite that the Earth hides, or that is this one."""
     with jax.enable_x64(True):
         here, away = map(np.asarray, _from_here(direction, float(time)))
-    height, distance = np.linalg.norm(here), np.linalg.norm(away)
+    height, distance = (float(np.linalg.norm(part)) for part in (here, away))
     when = f"{moment_of(_days(sky) + time / SECONDS_PER_DAY):%Y-%m-%dT%H:%M:%SZ}"
     if distance < _SAME_PLACE:
         table.fail(
@@ -160,7 +160,7 @@ def _check_clear(
             "give the orbit of another one",
         )
     below = math.asin(min(1.0, EARTH_RADIUS / height))
-    nadir = math.acos(np.clip(-(here @ away) / (height * distance), -1.0, 1.0))
+    nadir = math.acos(max(-1.0, min(1.0, float(-(here @ away)) / (height * distance))))
     if nadir < below and distance > height * math.cos(below):
         table.fail(
             key,

@@ -9,11 +9,13 @@ from jaxatt.environment.table import environment_at
 from jaxatt.problems.reading.pointing import Moment
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.surroundings import surroundings_of
+from jaxatt.runtime.arrays import Floats
 
 
 def moments_of(scenario: Scenario) -> list[Moment]:
     """Attitudes that a spacecraft's scenario prescribes, with the orbit frame then."""
     horizon, initial, passing = scenario.horizon, scenario.initial, scenario.waypoint
+    asked: list[tuple[str, float, Floats, Floats, Floats | None]]
     asked = [("start", 0.0, initial.q_ob, initial.omega_ob, None)]
     if passing is not None:
         asked.append(("waypoint", passing.time, passing.q_ob, np.zeros(3), None))
@@ -24,5 +26,6 @@ def moments_of(scenario: Scenario) -> list[Moment]:
     around = environment_at(surroundings_of(scenario), times)
     frames = zip(np.asarray(around.orbit_attitude), np.asarray(around.orbit_rate), strict=True)
     return [
-        Moment(*known, *frame, axis) for (*known, axis), frame in zip(asked, frames, strict=True)
+        Moment(label, time, q_ob, omega_ob, *frame, axis)
+        for (label, time, q_ob, omega_ob, axis), frame in zip(asked, frames, strict=True)
     ]
