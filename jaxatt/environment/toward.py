@@ -132,7 +132,12 @@ class ToSatellite:
 
     def at(self, time: Array) -> Array:
         """See `Direction`."""
-        return self.other.at(time).position - self.motion.at(time).position
+        return self.from_here(time)[1]
+
+    def from_here(self, time: Array) -> tuple[Array, Array]:
+        """Where this satellite is, and the other one from there, (3,) [m] each."""
+        here = self.motion.at(time).position
+        return here, self.other.at(time).position - here
 
 
 def pose(

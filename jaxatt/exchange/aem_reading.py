@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -103,13 +104,20 @@ def _moment(stamp: str, block: Block) -> np.datetime64:
 
 def _numbers(block: Block, names: tuple[str, ...]) -> Floats:
     """Columns (n, len(names)) of a block."""
+    return np.array(
+        [[_number(row[name], stamp, block) for name in names] for stamp, row in block.rows]
+    )
+
+
+def _number(text: str, stamp: str, block: Block) -> float:
     try:
-        values = np.array([[float(row[name]) for name in names] for _, row in block.rows])
-    except ValueError as error:
-        raise FileFormatError(block.where, str(error), "its rows hold numbers only") from None
-    if not np.isfinite(values).all():
-        raise FileFormatError(block.where, "holds a number that is not finite", "leave it out")
-    return values
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        mend = "correct the row or drop it"
+        raise FileFormatError(block.where, f"{text} at {stamp} is no number", mend)
+    return value
 
 
 def _backward(block: Block) -> bool:

@@ -79,7 +79,7 @@ def _of_kvn(text: str, path: Path) -> Iterator[Block]:
                 raise FileFormatError(
                     where,
                     f"has {len(numbers)} numbers behind its epoch",
-                    f"ATTITUDE_TYPE = {block.keywords['ATTITUDE_TYPE']} has {len(names)}: "
+                    f"complete it: {block.keywords['ATTITUDE_TYPE']} has {len(names)}, "
                     f"{', '.join(names)}",
                 )
             block.rows.append((stamp, dict(zip(names, numbers, strict=True))))

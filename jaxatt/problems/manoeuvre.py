@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from jaxatt.attitude.free_roll import across, facing, spread_rolls
 from jaxatt.environment.table import Surroundings
+from jaxatt.problems.end_attitude import EndAttitude
 from jaxatt.runtime.arrays import Floats
 
 _LONGEST_SUBSTEP_PHASE = 0.35
@@ -36,14 +36,12 @@ class InitialState:
 
 
 @dataclass(frozen=True, eq=False)
-class Target:
+class Target(EndAttitude):
     """Target of a manoeuvre or of one phase: as `InitialState`, with tolerances [rad, rad/s].
 
     wheel_bias : (n,) [rad/s], wheel speeds beside those that the momentum asks for; None where
         any will do.
-    boresight : (3,), unit body axis about which the roll is free: of the attitude only where the
-    axis points is asked for, and the rate keeps its components in the frame of the attitudes.
-    None where the whole attitude is.
+    boresight : see `EndAttitude`.
     """
 
     q_ob: Floats
@@ -57,31 +55,18 @@ class Target:
     boresight: Floats | None = None
 
     @property
-    def held(self) -> Floats:
-        """Body axes about which the attitude is held, (3, 3), or (2, 3) across the boresight."""
-        return np.eye(3) if self.boresight is None else across(self.boresight)
+    def pose(self) -> tuple[Floats, Floats]:
+        """Attitude and rate; see `EndAttitude.pose`."""
+        return self.q_ob, self.omega_ob
 
-    def facing(self, q: Floats) -> Target:
-        """The same target, where its roll is free with the one nearest to attitudes q (..., 4)."""
-        if self.boresight is None:
-            return self
-        rolled, rate = facing(self.q_ob, self.omega_ob, self.boresight, np.asarray(q))
-        return replace(self, q_ob=rolled, omega_ob=rate)
+    def posed(self, q: Floats, rate: Floats) -> Target:
+        """See `EndAttitude.posed`."""
+        return replace(self, q_ob=q, omega_ob=rate)
 
     def reference(self) -> dict[str, Floats]:
         """What a flight is drawn and reported beside."""
         axis = {} if self.boresight is None else {"boresight": self.boresight}
         return {"q_ob": self.q_ob, "omega_ob": self.omega_ob, **axis}
-
-    def of_starts(self, count: int) -> Target:
-        """The target that each of S starts heads for: q_ob (S, 4) and omega_ob (S, 3).
-
-        Where the roll is free each has its own, spread evenly over a turn; i depends on i only.
-        """
-        if self.boresight is None:
-            q, rate = np.asarray(self.q_ob), np.asarray(self.omega_ob)
-            return replace(self, q_ob=np.tile(q, (count, 1)), omega_ob=np.tile(rate, (count, 1)))
-        return self.facing(spread_rolls(np.asarray(self.q_ob), self.boresight, count))
 
 
 @dataclass(frozen=True, eq=False)

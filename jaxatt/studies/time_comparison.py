@@ -159,8 +159,10 @@ def printed_time(scenario: scenarios.Scenario) -> Mapping[str, Any]:
 
 
 def turn_angle(scenario: scenarios.Scenario) -> float:
-    """Angle [rad] between the initial and the target attitude, at most pi."""
-    alike = abs(float(scenario.initial.q_ob @ scenario.targets[0].q_ob))
+    """Angle [rad] between the initial and the target attitude, at most pi; if the roll is free, of
+    the axis that is pointed."""
+    begin = scenario.initial.q_ob
+    alike = abs(float(begin @ scenario.targets[0].facing(begin).q_ob))
     return 2.0 * math.acos(min(1.0, alike))
 
 
@@ -211,7 +213,8 @@ def _findings(scenario: scenarios.Scenario, rows: list[TimeRow]) -> tuple[str, .
 
 def _about_one_axis(scenario: scenarios.Scenario, rows: list[TimeRow]) -> tuple[str, ...]:
     """Sentence on the turn about a fixed axis with full torque, where it goes from rest to rest."""
-    vehicle, begin, end = scenario.vehicle, scenario.initial, scenario.targets[0]
+    vehicle, begin = scenario.vehicle, scenario.initial
+    end = scenario.targets[0].facing(begin.q_ob)
     assert vehicle is not None
     moving = (begin.omega_ob, begin.omega_bw, end.omega_ob)
     q, p = begin.q_ob, end.q_ob

@@ -11,6 +11,7 @@ from jaxatt.environment import epoch
 from jaxatt.environment.ephemeris import TOLERANCE, sampled
 from jaxatt.environment.nutation import nutation
 from jaxatt.environment.orbit_data.element_set import ElementSet, choose
+from jaxatt.environment.orbit_data.formats import kind_of
 from jaxatt.environment.orbit_data.path import OrbitDataError
 from jaxatt.environment.orbit_data.tle import element_set, read_tle
 
@@ -134,8 +135,10 @@ def test_a_text_of_several_sets():
     for wanted, said in (("", "several satellites"), ("ISS", 'no object "ISS"')):
         with pytest.raises(OrbitDataError, match=said):
             choose(sets, wanted, None)
-    with pytest.raises(OrbitDataError, match="no second line"):
-        read_tle(HYPSO1[0])
+    for alone in (HYPSO1[0], "\n".join(HYPSO1[::-1])):
+        assert kind_of(alone) == "tle"
+        with pytest.raises(OrbitDataError, match="no second line"):
+            read_tle(alone)
     for nothing in ("", "a text"):
         with pytest.raises(OrbitDataError, match="give both lines"):
             read_tle(nothing)

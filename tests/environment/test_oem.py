@@ -185,6 +185,46 @@ def test_broken_files_are_refused(tmp_path):
         read_orbit_file(tmp_path / "nothing.oem", "oem")
 
 
+def _row(text, number, change):
+    """The text with the words of a row changed, counted from the first state."""
+    lines = text.split("\n")
+    first = next(k for k, line in enumerate(lines) if line.startswith("2025"))
+    words = lines[first + number].split()
+    lines[first + number] = " ".join(change(words, lines[first + number - 1].split()))
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda row, above: above, r"line 18: 2025-\S+ follows 2025-\S+; .*sort its rows"),
+        (lambda row, above: [above[0], *row[1:]], "line 18: .*drop repeated ones"),
+        (lambda row, above: [row[0].replace("-08T", "-07T"), *row[1:]], "line 18: .*must increase"),
+        (lambda row, above: [row[0].replace("-09-", "-19-"), *row[1:]], "line 18: .* is no moment"),
+        (lambda row, above: row[:-1], "line 18: has 5 numbers behind its epoch, not 6"),
+        (lambda row, above: [*row[:2], "nan", *row[3:]], "line 18: nan is no number; correct"),
+    ],
+)
+def test_a_row_that_is_wrong_is_named_by_its_line(tmp_path, change, said):
+    times = np.arange(0.0, 601.0, 60.0)
+    path = written(tmp_path, _row(message(times, *STATES(times)), 3, change))
+    assert path.read_text().splitlines()[17].startswith("2025")
+    with pytest.raises(OrbitDataError, match=said):
+        read_oem(path)
+
+
+def test_segments_and_keywords_that_are_wrong_are_named(tmp_path):
+    times = np.arange(0.0, 601.0, 60.0)
+    good = message(times, *STATES(times))
+    for text, said in (
+        (f"{good}\n{good}", "a segment begins at .* before the one above it ends"),
+        (good.replace("REF_FRAME = EME2000\n", ""), "line 12: REF_FRAME is missing above"),
+        (good[good.index("META_STOP") + 9 :], "line 7: .* has no place in an OEM before META_S"),
+    ):
+        with pytest.raises(OrbitDataError, match=said):
+            read_oem(written(tmp_path, text))
+
+
 def test_velocities_seen_on_the_turning_earth():
     times = np.linspace(0.0, 5000.0, 11)
     r, v = inertial_of_earth_fixed(DAYS + times / 86400.0, *earth_fixed(times))

@@ -89,7 +89,7 @@ def test_the_norm_shows_other_columns(tmp_path, version) -> None:
         (2, "CCSDS_AEM_VERS", "CCSDS_OEM_VERS", "an AEM begins with CCSDS_AEM_VERS"),
         (1, "= LAST", "= MIDDLE", "QUATERNION_TYPE is missing"),
         (2, "12:00:00.250000000 ", "12:00:00.250000000 1.0 ", "has 8 numbers behind its epoch"),
-        (2, "\nDATA_STOP", "x\nDATA_STOP", "could not convert"),
+        (2, "\nDATA_STOP", "x\nDATA_STOP", "is no number; correct"),
         (2, "T12:00:00.250000000 ", "T25:00:00.250000000 ", "is no moment"),
         (2, "T12:00:00.250000000 ", "T11:00:00.250000000 ", "its epochs must increase"),
         (2, "DATA_STOP\n", "", "ends within a block of rows"),

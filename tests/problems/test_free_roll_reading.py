@@ -14,6 +14,7 @@ from jaxatt import scenarios
 from jaxatt.environment import frames
 from jaxatt.problems.surroundings import motion_of
 from jaxatt.scenarios import ScenarioError
+from jaxatt.studies.time_comparison import turn_angle
 
 Z = [0.0, 0.0, 1.0]
 NADIR = {"body": Z, "toward": "nadir"}
@@ -88,6 +89,78 @@ def test_objectives_that_decide_whole_attitudes_refuse_it():
         read("hypso1-netpower", STARS, objective=weights)
     with pytest.raises(ScenarioError, match=r"constrain: .*magnetorquers.*; add constrain"):
         read("mtq-free-time", STARS)
+
+
+CONE = {"name": "sun", "boresight": Z, "direction_orbit": [0.0, 0.0, 1.0], "half_angle_deg": 20.0}
+AHEAD = {"body": Z, "direction_orbit": [1.0, 0.0, 0.0]}
+
+
+def coned(**changes):
+    """A slew from looking at the nadir to pointing an axis ahead, with one cone about it."""
+    near = {"direction_orbit": [1.0, 0.1, 0.0]}
+    return scenarios.from_mapping(
+        {
+            **dict(read("hypso1-90-45-15", AHEAD).document),
+            "keep_out": [{**CONE, **near, **changes}],
+        }
+    )
+
+
+def test_a_cone_that_no_roll_avoids_is_refused():
+    said = r'"sun" contains the target \(at the roll that suits best\): the boresight is 5\.71'
+    with pytest.raises(ScenarioError, match=said):
+        coned()
+    # An axis 30 deg off is 24.3 deg off the middle, or further, as the roll has it.
+    tilted = {"boresight": [0.5, 0.0, np.sqrt(0.75)]}
+    wide = 30.0 + np.rad2deg(np.arctan(0.1))
+    assert coned(**tilted, half_angle_deg=wide - 0.5).leaves_roll_free
+    with pytest.raises(ScenarioError, match=f"is {wide:.4g}"):
+        coned(**tilted, half_angle_deg=wide + 0.5)
+
+
+def test_a_spin_faster_than_the_limit_is_refused_whatever_the_roll():
+    limits = {"body_rate_deg_s": 1.0}
+    slow, fast = ([0.0, 0.0, np.deg2rad(rate)] for rate in (0.9, 1.2))
+    assert read("hypso1-90-45-15", NADIR, also={"rate_rad_s": slow}, limits=limits)
+    with pytest.raises(ScenarioError, match=r"the target \(at the roll that suits best\) turns at"):
+        read("hypso1-90-45-15", NADIR, also={"rate_rad_s": fast}, limits=limits)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "said"),
+    [
+        ("hypso1-netpower", {"target": {"wheel_bias_rad_s": 1.0}}, "give wheel_speed_rad_s"),
+        ("hypso1-netpower", {"limits": {"body_rate_deg_s": 1.0}}, "body_rate_deg_s .* unknown key"),
+        ("hypso1-netpower", {"keep_out": [CONE]}, "keep_out: has no meaning for kind = net-power"),
+        ("mrp-k3-rk4", {"waypoint": {"node": 3}}, "such turns pass no waypoint, drop it"),
+        ("mrp-k3-rk4", {"legs": [{}]}, "such turns have one target, drop it"),
+        ("eseo-1", {"waypoint": {"node": 3, "attitude_deg": [0.0] * 3}}, "use .*legs"),
+        ("eseo-1", {"objective": {"kind": "l0", "design": 2}}, "use design = 1"),
+        ("hypso1-90-45-15", {"waypoint": {"node": 3, "align": STARS}}, "add constrain"),
+        ("hypso1-90-45-15", {"initial": {"align": STARS}}, "only a target may leave the roll"),
+    ],
+)
+def test_what_a_family_lacks_is_refused_beside_a_free_roll_too(name, changes, said):
+    document = copy.deepcopy(dict(read(name, STARS).document))
+    for key, value in changes.items():
+        document[key] = {**document.get(key, {}), **value} if key == "target" else value
+    with pytest.raises(ScenarioError, match=said):
+        scenarios.from_mapping(document, origin="s.toml")
+
+
+def test_speeds_that_the_roll_decides_are_refused():
+    still, moving = [0.0] * 3, [50.0, 0.0, 0.0]
+    wanted = {"wheel_speed_rad_s": still}
+    assert read("hypso1-netpower", STARS, also=wanted).leaves_roll_free
+    with pytest.raises(ScenarioError, match=r"wheel_speed_rad_s .* roll that is free.*; drop it"):
+        read("hypso1-netpower", STARS, also=wanted, initial={"wheel_speed_rad_s": moving})
+
+
+def test_the_angle_of_a_comparison_is_that_of_the_axis():
+    found = read("mrp-k3-rk4", STARS)
+    q = Rotation.from_quat(found.initial.q_ob, scalar_first=True)
+    along = np.array([1.0, -2.0, 0.5]) / np.sqrt(5.25)
+    assert turn_angle(found) == pytest.approx(np.arccos(q.apply(Z) @ along))
 
 
 def test_studies_of_whole_attitudes_refuse_it():

@@ -1,6 +1,7 @@
 """Cones and rate limits as files give them, and every refusal with the place and the mend."""
 
 import copy
+import re
 
 import jax.numpy as jnp
 import numpy as np
@@ -157,6 +158,21 @@ def test_cones_and_attitudes_know_the_same_directions(tmp_path):
         q_ib, _ = to_inertial(motion_of(found.orbit), end, found.targets[0].q_ob[None], np.zeros(3))
         aimed = Rotation.from_quat(q_ib[0], scalar_first=True).apply(body)
         np.testing.assert_allclose(found.pointing.directions(end)[0, 0], aimed, atol=1e-9)
+
+
+def test_a_satellite_that_the_earth_hides_or_that_is_this_one_is_refused(tmp_path):
+    case = scenarios.load("hypso1-ground-site")
+    first, second = case.document["orbit"]["tle"]
+    document = copy.deepcopy(dict(case.document))
+    document["target"]["align"] = {"body": [0.0, 0.0, 1.0], "toward": "satellite"}
+    for ahead, said in ((0.0, "m away at .*, which gives no direction"), (120.0, "out of sight")):
+        moved = element_line(second, 43, f"{(float(second[43:51]) + ahead) % 360.0:8.4f}")
+        document["target"]["align"]["satellite"] = {"tle": [first, moved]}
+        with pytest.raises(ScenarioError, match=f"the other satellite is .*{said}") as refused:
+            scenarios.from_mapping(document)
+    # On a circle of 6798 km: half of the 120 deg between them below the horizontal.
+    stated = float(re.search(r"stands ([\d.]+) deg below", str(refused.value)).group(1))
+    assert stated == pytest.approx(np.rad2deg(np.arcsin(6378.0 / 6798.0)) - 30.0, abs=0.3)
 
 
 def element_line(line, column, text):

@@ -15,6 +15,7 @@ from jaxatt.environment.ephemeris import States
 from jaxatt.environment.epoch import SECONDS_PER_DAY, moment_text
 from jaxatt.environment.orbit_data.hermite import Hermite
 from jaxatt.environment.orbit_data.j2 import Propagation, pole_of_date
+from jaxatt.environment.orbit_data.oem_rows import check_rows
 from jaxatt.environment.orbit_data.path import OrbitDataError
 from jaxatt.environment.teme import inertial_of_earth_fixed, inertial_of_teme
 from jaxatt.runtime.arrays import Floats
@@ -131,6 +132,7 @@ def looks_like_oem(text: str) -> bool:
 
 def read_oem(path: Path) -> EphemerisTable:
     """The states of a file, in KVN or XML.  Raises `OrbitDataError`."""
+    check_rows(path.read_text(encoding="utf-8-sig"))
     # Astropy, which the package brings along, takes a while to import.
     from oem import OrbitEphemerisMessage
 

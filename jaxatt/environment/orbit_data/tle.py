@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -13,12 +14,16 @@ from jaxatt.environment.orbit_data.element_set import ElementSet
 from jaxatt.environment.orbit_data.path import OrbitDataError
 
 _LENGTH = 69
+_ALONE = re.compile(r"^[12] [0-9A-Z ]{5}[A-Z ] .{50,}$")
+"""A line of a set, by what stands at its beginning and how long it is."""
 
 
 def looks_like_tle(text: str) -> bool:
-    """Whether a text holds a first line of a set with a second one below."""
-    lines = [line for line in text.splitlines() if line.strip()]
-    return any(a.startswith("1 ") and b.startswith("2 ") for a, b in pairwise(lines))
+    """Whether a text holds both lines of a set one below the other, or one of them alone."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    if any(a.startswith("1 ") and b.startswith("2 ") for a, b in pairwise(lines)):
+        return True
+    return any(_ALONE.match(line) for line in lines[:3])
 
 
 def read_tle(text: str, wanted: str = "") -> list[ElementSet]:

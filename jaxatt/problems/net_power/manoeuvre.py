@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from jaxatt.attitude.free_roll import across, facing, spread_rolls
 from jaxatt.environment.along_orbit import OrbitTask
 from jaxatt.environment.external import ExternalTorques
 from jaxatt.environment.light import Light
+from jaxatt.problems.end_attitude import EndAttitude
 from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import Spacecraft
 
@@ -26,11 +24,11 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class End:
+class End(EndAttitude):
     """State to end in, with tolerances [rad, rad/s].
 
     omega_bw : (n,) [rad/s], wheel speeds to end with; None leaves them free.
-    boresight : (3,), unit body axis about which the roll is free; None where it is not.
+    boresight : see `EndAttitude`.
     """
 
     q_ib: Floats
@@ -41,23 +39,13 @@ class End:
     boresight: Floats | None = None
 
     @property
-    def held(self) -> Floats:
-        """Body axes about which the attitude is held, (3, 3), or (2, 3) across the boresight."""
-        return np.eye(3) if self.boresight is None else across(self.boresight)
+    def pose(self) -> tuple[Floats, Floats]:
+        """Attitude and rate; see `EndAttitude.pose`."""
+        return self.q_ib, self.omega_ib
 
-    def facing(self, q: Floats) -> End:
-        """The same end, where its roll is free with the one nearest to attitudes q (..., 4)."""
-        if self.boresight is None:
-            return self
-        rolled, rate = facing(self.q_ib, self.omega_ib, self.boresight, np.asarray(q))
-        return replace(self, q_ib=rolled, omega_ib=rate)
-
-    def of_starts(self, count: int) -> End:
-        """The end that each of S starts heads for, as `Target.of_starts`."""
-        if self.boresight is None:
-            q, rate = np.asarray(self.q_ib), np.asarray(self.omega_ib)
-            return replace(self, q_ib=np.tile(q, (count, 1)), omega_ib=np.tile(rate, (count, 1)))
-        return self.facing(spread_rolls(np.asarray(self.q_ib), self.boresight, count))
+    def posed(self, q: Floats, rate: Floats) -> End:
+        """See `EndAttitude.posed`."""
+        return replace(self, q_ib=q, omega_ib=rate)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from jaxatt.environment import igrf, toward
 from jaxatt.environment.epoch import SECONDS_PER_DAY, decimal_year
 from jaxatt.environment.motion import Motion
 from jaxatt.environment.orbit_data.element_set import ElementSet
+from jaxatt.environment.sun import EARTH_RADIUS
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, DatedModel, beyond, moment_of
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.orbit import covering, read_orbit
@@ -33,7 +34,11 @@ _OWN_KEYS = {
 }
 """Keys that have a meaning with one kind of direction only."""
 
+_SAME_PLACE = 1.0
+"""[m] Within which two orbits are taken for one."""
+
 _elevation = jax.jit(toward.ToSite.elevation, compiler_options=RUNS_ONCE)
+_from_here = jax.jit(toward.ToSatellite.from_here, compiler_options=RUNS_ONCE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +121,14 @@ def read_direction(
 def check_sight(
     table: Table, key: str, seen: tuple[toward.Direction, str], sky: Sky, time: float
 ) -> None:
-    """Refuse a place on the ground from which the satellite is below the horizon at a time [s].
+    """Refuse a place on the ground from which the satellite is below the horizon at a time [s], and
+    another satellite behind the Earth.
 
     key : that messages name.  seen : the direction, and what messages call it.
     """
     direction, words = seen
+    if isinstance(direction, toward.ToSatellite):
+        _check_clear(table, key, direction, sky, time)
     if not isinstance(direction, toward.ToSite):
         return
     with jax.enable_x64(True):
@@ -134,6 +142,31 @@ def check_sight(
             f"{words} is out of sight: the satellite stands {angle:.2f} deg above its "
             f"horizon at {when:%Y-%m-%dT%H:%M:%SZ}",
             "; ".join(filter(None, (as_radians(*place), sky.doubt, mend))),
+        )
+
+
+def _check_clear(
+    table: Table, key: str, direction: toward.ToSatellite, sky: Sky, time: float
+) -> None:
+    """Refuse a satellite that the Earth hides, or that is this one."""
+    with jax.enable_x64(True):
+        here, away = map(np.asarray, _from_here(direction, float(time)))
+    height, distance = (float(np.linalg.norm(part)) for part in (here, away))
+    when = f"{moment_of(_days(sky) + time / SECONDS_PER_DAY):%Y-%m-%dT%H:%M:%SZ}"
+    if distance < _SAME_PLACE:
+        table.fail(
+            key,
+            f"the other satellite is {distance:.3g} m away at {when}, which gives no direction",
+            "give the orbit of another one",
+        )
+    below = math.asin(min(1.0, EARTH_RADIUS / height))
+    nadir = math.acos(max(-1.0, min(1.0, float(-(here @ away)) / (height * distance))))
+    if nadir < below and distance > height * math.cos(below):
+        table.fail(
+            key,
+            f"the other satellite is out of sight: it stands {math.degrees(below - nadir):.2f} deg "
+            f"below the Earth's edge at {when}",
+            "move the manoeuvre in time, or check the orbits",
         )
 
 

@@ -78,10 +78,13 @@ def scenario_faults(
         if fault.label:
             plain[fault.label.strip("[]")] = place
         return [fault, *scenario_faults(plain, origin, formats)]
+    system, objective = plain.get("system", SPACECRAFT), plain.get("objective", {})
+    told = f"system = {system}"
+    if system == SPACECRAFT and "kind" in objective:
+        told = f"kind = {objective['kind']}"
     elsewhere = [
         ScenarioError(
-            f"{origin}: {key}: has no meaning for system = {plain.get('system', SPACECRAFT)}; "
-            "drop it",
+            f"{origin}: {key}: has no meaning for {told}; drop it",
             origin,
             "",
             key,

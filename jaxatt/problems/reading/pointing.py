@@ -6,19 +6,20 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-import jax.numpy as jnp
 import numpy as np
 
-from jaxatt.attitude import quaternion
+from jaxatt.attitude.free_roll import facing
+from jaxatt.attitude.host_turns import product, to_body, turned_by
 from jaxatt.problems.pointing.case import Cone, Pointing
-from jaxatt.problems.pointing.cones import cone_angles
 from jaxatt.problems.reading.directions import Sky, check_sight, read_direction
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
 
 _ROUNDING = 1e-9  # rad; a boresight on the cone itself is allowed
-
+_ROLLS = 720
+_BETWEEN_ROLLS = 1.01 * math.pi / _ROLLS
+"""[rad] By which angles may be nearer to a limit between two of the rolls that are tried."""
 
 _INSTANTS = 33
 """Of a motion, at which keep-in cones are compared with each other."""
@@ -28,7 +29,7 @@ class Moment(NamedTuple):
     """An attitude that a scenario prescribes at an instant, with its name in messages.
 
     time : [s].  q_ob : (4,).  omega_ob : (3,) [rad/s].  q_io : (4,) and omega_io : (3,) [rad/s], of
-    the orbit frame then.
+    the orbit frame then.  boresight : (3,), body axis about which any roll will do; None if none.
     """
 
     label: str
@@ -37,6 +38,7 @@ class Moment(NamedTuple):
     omega_ob: Float64
     q_io: Float64
     omega_io: Float64
+    boresight: Float64 | None = None
 
 
 def read_pointing(
@@ -132,19 +134,44 @@ def _check_together(pointing: Pointing, last: float, origin: str) -> None:
 
 
 def check_moments(pointing: Pointing, moments: Sequence[Moment], origin: str) -> None:
-    """Raise a `ScenarioError` where a start, waypoint or target itself violates a limit."""
+    """Raise a `ScenarioError` where a start, waypoint or target itself violates a limit.
+
+    Where any roll will do, that is one which every roll violates.
+    """
     if not pointing or not moments:
         return
     directions = pointing.directions(np.array([moment.time for moment in moments]))
     boresights = np.reshape([cone.boresight for cone in pointing.cones], (-1, 3))
+    halves = np.array([cone.half_angle for cone in pointing.cones])
+    senses = np.array([cone.sense for cone in pointing.cones])
     for moment, toward in zip(moments, directions, strict=True):
-        q_ib = quaternion.multiply(moment.q_io, moment.q_ob)
-        angles = np.asarray(cone_angles(q_ib, jnp.asarray(toward), jnp.asarray(boresights)))
-        for cone, angle in zip(pointing.cones, angles, strict=True):
+        q_ob, omega_ob = _rolled(moment)
+        seen = to_body(product(moment.q_io, q_ob)[:, None], toward)
+        angles = _between(boresights, seen)
+        rates = omega_ob + to_body(q_ob, moment.omega_io)
+        worst = np.max(senses * (angles - halves), axis=1, initial=-np.inf) - _BETWEEN_ROLLS
+        if pointing.rate_limit is not None:
+            between = _BETWEEN_ROLLS * np.linalg.norm(rates, axis=1, keepdims=True)
+            over = (np.abs(rates) - between) / pointing.rate_limit - 1.0
+            worst = np.maximum(worst, over.max(axis=1))
+        label, best = moment.label, int(np.argmin(worst))
+        if moment.boresight is not None:
+            if worst[best] <= 0.0:
+                continue
+            label = f"{label} (at the roll that suits best)"
+        for cone, angle in zip(pointing.cones, angles[best], strict=True):
             if cone.sense * (angle - cone.half_angle) > _ROUNDING:
-                _refuse(cone, float(angle), moment.label, origin)
-        rate = moment.omega_ob + np.asarray(quaternion.rotate_inverse(moment.q_ob, moment.omega_io))
-        _check_rate(pointing.rate_limit, rate, moment.label, origin)
+                _refuse(cone, float(angle), label, origin)
+        _check_rate(pointing.rate_limit, rates[best], label, origin)
+
+
+def _rolled(moment: Moment) -> tuple[Float64, Float64]:
+    """Attitudes (R, 4) and rates (R, 3) that will do: one, or rolled all the way round."""
+    if moment.boresight is None:
+        return moment.q_ob[None], moment.omega_ob[None]
+    roll = np.linspace(0.0, 2.0 * np.pi, _ROLLS, endpoint=False)
+    turned = product(moment.q_ob, turned_by(roll[:, None] * moment.boresight))
+    return facing(moment.q_ob, moment.omega_ob, moment.boresight, turned)
 
 
 def _refuse(cone: Cone, angle: float, label: str, origin: str) -> None:

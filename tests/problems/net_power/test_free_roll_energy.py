@@ -1,8 +1,10 @@
 """Manoeuvres that earn energy and point one axis at the end, beside those of fixed rolls."""
 
 import copy
+import tomllib
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -10,6 +12,10 @@ from scipy.spatial.transform import Rotation
 import jaxatt
 from jaxatt import scenarios
 from jaxatt.attitude.host_turns import product, turned_by
+from jaxatt.problems.family import PhaseStart
+from jaxatt.problems.net_power.build import manoeuvre_of
+from jaxatt.problems.net_power.wheels.programme import wheels_programme
+from jaxatt.problems.net_power.wheels.task import wheels_task
 
 AXIS = np.array([0.0, 0.0, 1.0])
 
@@ -51,6 +57,34 @@ def test_the_axis_points_where_it_must(free):
 def test_the_solver_counts_what_the_roll_earns_in_the_last_interval(free):
     section = free.phases[0].section
     assert section.claimed == pytest.approx(section.energy.net, rel=2e-4)
+
+
+def test_wheel_speeds_at_the_end_are_relative_to_the_body_at_every_roll():
+    plan = tomllib.loads(scenarios.text("hypso2-orbit"))
+    for name in ("printed", "tasks", "plan", "baseline", "horizon"):
+        plan.pop(name, None)
+    speeds = [207.0, 211.0, 209.4, -362.0]
+    nadir = {"body": AXIS.tolist(), "toward": "nadir"}
+    plan |= {
+        "magnetorquing": {"mode": "decided"},
+        "horizon": {"horizon_s": 300.0, "intervals": 6},
+        "target": {"align": nadir, "rate": "orbit", "wheel_speed_rad_s": speeds},
+        "objective": {"kind": "net-power", "wheel_power": "wheels"},
+    }
+    manoeuvre = manoeuvre_of(scenarios.from_mapping(plan), PhaseStart())
+    task, craft = wheels_task(manoeuvre), manoeuvre.satellite.craft
+    p, wheels = task.parameters, craft.wheels
+    for roll in (0.0, 1.3, -2.9):
+        q = product(manoeuvre.end.q_ib, turned_by(roll * AXIS))
+        rate = manoeuvre.end.facing(q).omega_ib
+        axial = wheels.inertia * (np.array(speeds) + wheels.axes.T @ rate)
+        momentum = craft.inertia_without_spin @ rate + wheels.axes @ axial
+        total = Rotation.from_quat(q, scalar_first=True).apply(momentum)
+        x = jnp.concatenate([q, axial / p.momentum_scale, total / p.momentum_scale])
+        rows = wheels_programme(task.form).final_rows(x, p)
+        assert rows.shape == (3 + 2 + 4,)
+        np.testing.assert_allclose(rows, 0.0, atol=1e-12)
+    assert np.linalg.norm(rate[:2]) > 5e-4
 
 
 @pytest.mark.slow

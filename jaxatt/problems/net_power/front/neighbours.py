@@ -113,7 +113,7 @@ def _starts(task: WheelsTask, answers: Sequence[Flown]) -> Starts:
 def _beyond(task: WheelsTask, paths: Floats) -> Floats:
     """Attitudes (S, N + 2, 4): the paths (S, N + 1, 4), and where they go on to."""
     end = task.manoeuvre.end
-    rate = np.zeros(3) if end is None else np.asarray(end.omega_ib, float)
+    rate = np.zeros(3) if end is None else np.asarray(end.facing(paths[:, -1:]).omega_ib, float)
     turned = exponential(task.manoeuvre.step * rate)
     return np.concatenate([paths, product(paths[:, -1:], turned)], axis=1)
 

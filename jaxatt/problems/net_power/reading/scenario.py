@@ -15,6 +15,7 @@ from jaxatt.problems.net_power.orbit_frame import inertial_pose
 from jaxatt.problems.net_power.plan.reading.plan import improved_jointly, plan_length, read_tasks
 from jaxatt.problems.net_power.plan.reading.schema import HORIZON_KEYS, LONGEST_MANOEUVRE_S
 from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.reading.free_roll import check_free_roll, check_held_speeds
 from jaxatt.problems.net_power.reading.objective import read_baseline, read_objective
 from jaxatt.problems.net_power.reading.printed import PRINTED_ROWS, check_printed_totals
 from jaxatt.problems.net_power.reading.satellite import read_satellite
@@ -86,6 +87,9 @@ def read_along(
         target, target_frame, speeds = _target(
             document["target"], origin, craft, sky, horizon, objective.terminal, notes
         )
+        if target is not None and target.boresight is not None and speeds is not None:
+            pose = inertial_pose(initial, initial_frame, satellite.orbit)
+            check_held_speeds(document["target"], origin, satellite, pose, initial.omega_bw)
     return Scenario(
         **vars(heading),
         family="net-power",
@@ -221,7 +225,7 @@ def _target(
     first = horizon.shortest if horizon.free else horizon.duration
     last = horizon.longest if horizon.free else horizon.duration
     if "align" in table and "constrain" not in table:
-        _check_free_roll(table, horizon, terminal)
+        check_free_roll(table, horizon, terminal)
     attitude, rate, boresight = read_goal(table, notes, sky, first, last)
     return (
         Target(
@@ -234,18 +238,6 @@ def _target(
         sky.frame,
         speeds,
     )
-
-
-def _check_free_roll(table: Table, horizon: Horizon, terminal: str) -> None:
-    """Refuse a target that leaves the roll free where attitudes are decided in another way."""
-    problem = ""
-    if horizon.free:
-        problem = "missing beside align; manoeuvres by magnetorquers alone leave no roll free"
-    elif terminal == "penalty":
-        problem = 'missing beside align; terminal = "penalty" weighs the whole attitude'
-    if problem:
-        mend = 'add constrain = { body = [1.0, 0.0, 0.0], toward = "velocity" }'
-        table.fail("constrain", problem, mend if horizon.free else f'use "reach", or {mend}')
 
 
 def _floor(data: Any, origin: str, craft: Spacecraft) -> float:

@@ -112,7 +112,9 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         if form.end in ("reach", "point"):
             rows.append(attitude_rows(p.reference, x[:4], p.held))
         if form.speeds:
-            missed = at.stored(x, form) - p.reference_stored
+            # Momenta of the wheels are about their axes in space, so they count how the body turns.
+            carried = p.wheel_inertia * at.product(p.axes.T, wanted - p.reference_rate)
+            missed = at.stored(x, form) - p.reference_stored - carried / p.momentum_scale
             rows.append(RATE_SCALE * at.product(p.end_rows, missed))
         return jnp.concatenate(rows)
 

@@ -57,7 +57,9 @@ GIVEN = ("toward", "direction_inertial", "direction_orbit", "right_ascension_deg
 DIRECTION_KEYS = TableKey(
     "a body axis and the direction that it is to have",
     {
-        "body": Numbers("axis in the body, of any length", size=3, required=True),
+        "body": Numbers(
+            "axis in the body, of any length", size=3, required=True, example="[0.0, 0.0, 1.0]"
+        ),
         **TOWARD_KEYS,
     },
     inline=True,

@@ -176,7 +176,9 @@ WINDOWS = TableKey(
 def _cones(meaning: str) -> TableKey:
     keys: dict[str, Key] = {
         "name": Text("name of the cone, for reports", required=True),
-        "boresight": Numbers("axis in the body, of any length", size=3, required=True),
+        "boresight": Numbers(
+            "axis in the body, of any length", size=3, required=True, example="[0.0, 0.0, 1.0]"
+        ),
         "half_angle_deg": Number(
             "half of the opening, less than 180", above=0.0, required=True, example="30.0"
         ),
