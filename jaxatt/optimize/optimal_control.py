@@ -112,6 +112,8 @@ class OptimalControlProgram:
     limits : (stage, args) -> lower and upper limits of the controls, (b,) or ().
     free_start : number of coordinates, the last ones of the error state, that are decided with the
         controls and stay the same, such as the length of a stage.
+    integrals : number of coordinates, the last ones before those, that only add something up, such
+        as a charge: nothing depends on them but rows that are linear in them.
     linearisation : (x, u, x_next, stage, args) -> `Linearisation`, exact; lagrangian_hessian : (x,
         u, x_next, stage, args, costate, kept) -> (n + b, n + b), Hessian of cost + costate . gap,
         exact or nearly so, `kept` from the linearisation; without them they are differentiated.
@@ -143,6 +145,7 @@ class OptimalControlProgram:
     free: Callable[[Any, Any], Array] | None = None
     limits: Callable[[Any, Any], tuple[Array, Array]] | None = None
     free_start: int = 0
+    integrals: int = 0
     linearisation: Callable[[Array, Array, Array, Any, Any], Linearisation] | None = None
     lagrangian_hessian: Callable[[Array, Array, Array, Any, Any, Array, Any], Array] | None = None
     path_hessian: Callable[[Array, Array, Any, Any, Array, Any], Array] | None = None

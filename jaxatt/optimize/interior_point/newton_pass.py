@@ -133,7 +133,9 @@ def advanced(
         barrier_pairs(slack, dual, jnp.where(beginning, 0.0, barrier)),
     )
     shift = jnp.where(crossing_over, 0.0, state.shift)
-    step = newton_step(found, slack, dual, pairs, penalty, program.free_start, shift)
+    step = newton_step(
+        found, slack, dual, pairs, penalty, program.free_start, shift, program.integrals
+    )
     step = step._replace(slack=limits.only_there(step.slack), dual=limits.only_there(step.dual))
     share = jnp.maximum(_TO_BOUNDARY, 1.0 - barrier)
     longest = jnp.where(crossing_over, 1.0, _to_boundary(slack, step.slack, share))

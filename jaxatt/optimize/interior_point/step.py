@@ -58,11 +58,13 @@ def newton_step(
     row_penalty: Array,
     free_start: int,
     shift: Array,
+    integrals: int = 0,
 ) -> Step:
     """Newton step towards a stationary point at which every pair obeys its relation.
 
     slack : what is left to every limit.  row_penalty : (), of the hard rows, see `interior_point`.
-    shift : (), added to all curvature.
+    shift : (), added to all curvature, save that of `integrals`, see `OptimalControlProgram`: they
+    move far for a good step, and have no curvature that could be missing.
     """
     count, n, width = model.dynamics.shape
     size = width - n
@@ -90,6 +92,7 @@ def newton_step(
     pull = jnp.sum(model.rows_slope * (row_penalty * model.rows)[:, None], axis=0)
     pull = pull + jnp.sum(model.final_slope * at_end[:, None], axis=0)
     end_value = jnp.concatenate([last, pull[:, None]], axis=1)
+    curved = jnp.ones(width, dtype).at[n - free_start - integrals : n - free_start].set(0.0)
     free, forced, nothing = jnp.ones(size, dtype), jnp.zeros(size, dtype), jnp.zeros((), dtype)
 
     def backwards(
@@ -100,7 +103,7 @@ def newton_step(
         dynamics, hessian, diagonal, gradient, gap = inputs
         ahead = value[:, n] + jnp.sum(value[:, :n] * gap[None], axis=1)
         value = jnp.concatenate([value[:, :n], ahead[:, None]], axis=1)
-        shifted = hessian + (diagonal + shift)[:, None] * jnp.eye(width, dtype=dtype)
+        shifted = hessian + (diagonal + shift * curved)[:, None] * jnp.eye(width, dtype=dtype)
         stage = StageModel(dynamics, shifted, gradient)
         policy = backward_step(value, stage, free, forced, nothing)
         return (policy.value, jnp.minimum(least, policy.pivot)), (policy.law, following)

@@ -84,7 +84,12 @@ def searched(scenario: Scenario, start: PhaseStart, report: Report | None) -> An
     manoeuvre = phase_manoeuvre(scenario, start)
     named = report if task is None or report is None else _named(report, task.name)
     (solved,) = search_wheels(
-        [manoeuvre], solver.starts, solver.seed, named, shared=task is not None
+        [manoeuvre],
+        solver.starts,
+        solver.seed,
+        named,
+        shared=task is not None,
+        law=options_of(scenario).baseline,
     )
     return Answers(solved)
 

@@ -13,7 +13,7 @@ from jaxatt.environment.epoch import moment_text
 from jaxatt.optimize.status import Status
 from jaxatt.problems.failure_reason import failure_reason
 from jaxatt.problems.family import PhaseStart
-from jaxatt.problems.net_power.baseline import fly_baseline
+from jaxatt.problems.net_power.baseline import PDBaseline, fly_baseline
 from jaxatt.problems.net_power.broken_margins import broken_margins
 from jaxatt.problems.net_power.build import beginning, options_of
 from jaxatt.problems.net_power.corrected import corrected
@@ -138,8 +138,8 @@ def _plan_on_some(
         manoeuvres = [_manoeuvre(scenario, dates, index, k) for k in rows]
         stage = _named(report, f"task {index + 1} of {len(tasks)}, {task.name}")
         if task.searched:
-            flight, verdict = _harvests(manoeuvres, starts, seed, stage, room)
             law = options.baseline
+            flight, verdict = _harvests(manoeuvres, starts, seed, stage, room, law)
             base = flight if law is None else fly_baseline(manoeuvres, law)
         else:
             flight = fly_held(
@@ -200,10 +200,15 @@ def _manoeuvre(scenario: Scenario, dates: _Dates, index: int, k: int) -> Manoeuv
 
 
 def _harvests(
-    manoeuvres: Sequence[Manoeuvre], starts: int, seed: int, report: Report | None, room: int
+    manoeuvres: Sequence[Manoeuvre],
+    starts: int,
+    seed: int,
+    report: Report | None,
+    room: int,
+    law: PDBaseline | None,
 ) -> tuple[PoweredFlight, Verdict]:
     """Search a harvest on all dates, and fly the best answer of each that reaches."""
-    solved = search_wheels(manoeuvres, starts, seed, report, shared=True, room=room)
+    solved = search_wheels(manoeuvres, starts, seed, report, shared=True, room=room, law=law)
     ranks = [_ranked(answers) for answers in solved]
     chosen = [0] * len(manoeuvres)
     for attempt in range(min(_TRIES, min(len(rank) for rank in ranks))):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -56,6 +56,27 @@ class Solved:
             None if self.refined is None else self.refined[rows],
             self.substeps,
             self.limits,
+        )
+
+    def joined(self, other: Solved) -> Solved:
+        """These answers, then others to the same manoeuvre."""
+
+        def both(a: Any, b: Any) -> Any:
+            return None if a is None or b is None else np.concatenate([a, b])
+
+        refined = None
+        if self.refined is not None:
+            refined = both(self.refined, np.ones(len(other.status), bool))
+        return replace(
+            self,
+            torque=both(self.torque, other.torque),
+            dipole=both(self.dipole, other.dipole),
+            claimed=both(self.claimed, other.claimed),
+            status=both(self.status, other.status),
+            violation=both(self.violation, other.violation),
+            stationarity=both(self.stationarity, other.stationarity),
+            iterations=both(self.iterations, other.iterations),
+            refined=refined,
         )
 
     def replaced(self, rows: npt.NDArray[np.int64], by: Solved) -> Solved:

@@ -48,7 +48,10 @@ def _manoeuvre(scenario: Scenario, q: Floats) -> Manoeuvre:
 def _answered(scenario: Scenario, manoeuvres: Sequence[Manoeuvre], room: int) -> TargetAnswers:
     """Answers of so many manoeuvres as are solved together."""
     solver, count = scenario.solver, len(manoeuvres)
-    solved = search_wheels(manoeuvres, solver.starts, solver.seed, None, shared=True, room=room)
+    law = options_of(scenario).baseline
+    solved = search_wheels(
+        manoeuvres, solver.starts, solver.seed, None, shared=True, room=room, law=law
+    )
     order = [_from_best_to_worst(one) for one in solved]
     reached = np.zeros(count, bool)
     numbers: dict[str, Floats] = {}
@@ -63,7 +66,6 @@ def _answered(scenario: Scenario, manoeuvres: Sequence[Manoeuvre], room: int) ->
         left = np.flatnonzero(~reached)
         if not len(left):
             break
-    law = options_of(scenario).baseline
     if law is not None:
         base = fly_baseline(manoeuvres, law).energy.net_J
         numbers["energy.gain_J"] = numbers["energy.net_J"] - base

@@ -29,6 +29,10 @@ _SHIFTS = Shifts(3e-4, 6.0, 4.0, 6e-6)
 SETTINGS = InteriorSettings(
     tolerance=1e-6, barrier=1e-2, max_iterations=60, shifts=_SHIFTS, crossover_from=0.0
 )
+_MAGNITUDES = replace(SETTINGS, own_costates=True, max_iterations=70, settling=10)
+"""Where power is a magnitude, rolls about the line to the sun cost nearly nothing, and steps along
+them are long: constraints hold to a hundredth until they are held back."""
+
 _TORQUED = replace(SETTINGS, shifts=SMALL_SHIFTS, own_costates=True, settling=10)
 """Over an orbit with its shadow, much of a manoeuvre earns the same whatever it does; what is left
 to gain after so many passes is some ten joules of tens of thousands."""
@@ -41,7 +45,9 @@ def settings_for(form: WheelsForm) -> InteriorSettings:
     """Settings of the solver that suit a form."""
     if form.dipoles:
         return _DECIDED
-    return _TORQUED if form.torqued else SETTINGS
+    if form.torqued:
+        return _TORQUED
+    return _MAGNITUDES if form.powers else SETTINGS
 
 
 @dataclass(frozen=True)

@@ -148,6 +148,7 @@ def wheels_programme(form: WheelsForm) -> OptimalControlProgram:
         lagrangian_hessian=functools.partial(lagrangian_hessian, of_z),
         path_hessian=functools.partial(path_hessian, of_z) if limited else None,
         moved=moved,
+        integrals=int(form.charge),
     )
 
 

@@ -8,9 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from jaxatt.optimize.status import Status
+from jaxatt.problems.net_power.baseline import PDBaseline
 from jaxatt.problems.net_power.found import Solved
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre
 from jaxatt.problems.net_power.wheels.batch import settings_for
+from jaxatt.problems.net_power.wheels.from_law import also_from_law
 from jaxatt.problems.net_power.wheels.longer import averaged, longer_intervals
 from jaxatt.problems.net_power.wheels.rolled_out import rolled_out
 from jaxatt.problems.net_power.wheels.solve import in_steps, solve_in_fine_steps, solve_wheels
@@ -41,6 +43,7 @@ def search_wheels(
     report: Report | None = None,
     shared: bool = False,
     room: int = 1,
+    law: PDBaseline | None = None,
 ) -> tuple[Solved, ...]:
     """Solve from `count` starts each, for several manoeuvres of one shape in one batch.
 
@@ -48,14 +51,19 @@ def search_wheels(
     shared : whether to fill their intervals up to a length that other manoeuvres have, too, so that
     they share a compiled program.
     room : manoeuvres that the program has room for, at least; so that it serves fewer, too.
+    law : whose flight is one start more wherever it earns more than the best answer.
 
     Long manoeuvres are solved from all starts on longer intervals, and the best few answers then on
     their own.  Wheels and their motors are kept within their limits.
     """
     room = max(room, len(manoeuvres))
-    return within_limits(
+    found = within_limits(
         manoeuvres, lambda some: _searched(some, count, seed, report, shared, room)
     )
+    if law is None:
+        return found
+    size = shared_length(manoeuvres[0].intervals) if shared else None
+    return also_from_law(manoeuvres, found, law, size, room, report)
 
 
 def _searched(

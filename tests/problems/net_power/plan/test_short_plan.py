@@ -1,5 +1,6 @@
 """A plan of four short tasks from end to end: in sequence, above a floor, together, over dates."""
 
+import dataclasses
 import itertools
 
 import jax.numpy as jnp
@@ -20,17 +21,20 @@ from jaxatt.multistart.driver import some_passes
 from jaxatt.optimize.status import Status
 from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power import improve
-from jaxatt.problems.net_power.answers import searched
+from jaxatt.problems.net_power.answers import phase_manoeuvre, searched
 from jaxatt.problems.net_power.build import options_of
 from jaxatt.problems.net_power.plan.joint.solve import JointAnswer
 from jaxatt.problems.net_power.pose import Pose, angle_between
 from jaxatt.problems.net_power.record import energy_of, net_power
+from jaxatt.problems.net_power.wheels.from_law import also_from_law, held_torque
 from jaxatt.problems.surroundings import elements_of, motion_of
 from jaxatt.report.export.export import export
 from jaxatt.report.tables import result_table
+from jaxatt.runtime.lengths import shared_length
 from jaxatt.studies.plan_year import plan_year
 
 CAPACITY = 3600.0  # [J]
+TASKS = DOCUMENT["tasks"]
 SIGHTLESS = {"plan.least_elevation_deg": -90.0}
 """Other dates have the targets elsewhere."""
 
@@ -112,6 +116,39 @@ def test_the_floor_of_the_battery_binds(sequence):
     assert held.phases[0].series["charge"].min() > free.min() + 0.1
     lost = net_power(first).energy.net - net_power(held.phases[0]).energy.net
     assert 0.02 < lost < 2.0
+
+
+def test_a_floor_far_below_hinders_no_start():
+    """What the sun gives moves the charge far, which must not be held back as steps are."""
+    changes = {"horizon.step_s": 3.75, "vehicle.battery.capacity_Wh": 20.0, **SIGHTLESS}
+    changes |= {f"tasks.{k}.duration_s": 3.0 * t["duration_s"] for k, t in enumerate(TASKS)}
+    scenario = scenarios.from_mapping(short_plan(changes | {"baseline": None}))
+    solved = searched(scenario, PhaseStart(), None).solved
+    assert (solved.status <= int(Status.FEASIBLE)).all()
+    assert (solved.claimed > 425.0).all()
+
+
+def test_the_law_is_one_start_more_where_it_earns_more(sequence):
+    law = options_of(sequence.scenario).baseline
+    manoeuvre = phase_manoeuvre(sequence.scenario, PhaseStart())
+    size = shared_length(manoeuvre.intervals)
+    solved = searched(sequence.scenario, PhaseStart(), None).solved
+    earned = net_power(sequence.phases[0]).energy.baseline
+    poor = dataclasses.replace(solved, claimed=np.full(4, earned - 1.0))
+    rich = dataclasses.replace(solved, claimed=np.full(4, earned + 1.0))
+    assert also_from_law([manoeuvre], [rich], law, size)[0] is rich
+    (found,) = also_from_law([manoeuvre], [poor], law, size)
+    assert found.torque.shape == (5, *solved.torque.shape[1:])
+    assert found.status[-1] <= int(Status.FEASIBLE)
+    assert found.claimed[-1] > earned + 50.0
+
+
+def test_torques_held_for_other_times_give_the_same_impulse():
+    torque = np.random.default_rng(3).normal(size=(10, 3))
+    finer = held_torque(torque, 40)
+    np.testing.assert_allclose(finer, np.repeat(torque, 4, axis=0))
+    np.testing.assert_allclose(held_torque(finer, 10), torque)
+    np.testing.assert_allclose(held_torque(torque, 7).sum(axis=0) / 7, torque.sum(axis=0) / 10)
 
 
 def test_a_floor_that_no_turn_can_hold_is_told_with_the_task_and_what_is_missing(sequence):
