@@ -46,26 +46,22 @@ def newton_step(
     n, q = x.shape[0], multipliers.shape[0]
     slope = weight * at.slope
     low, high = box.lower - x, box.upper - x
-    identity = jnp.eye(q, dtype=x.dtype)
 
     def solve(binds: Array, side: Array) -> tuple[Array, Array]:
         """Step and multipliers for binding rows (q,) bool; side : (n,) -1, 0, 1 held or not."""
-        held = side != 0
-        top = jnp.concatenate([hessian, at.jacobian.T], axis=1)
-        fixed = jnp.eye(n, n + q, dtype=x.dtype)
-        top = jnp.where(held[:, None], fixed, top)
-        bottom = jnp.concatenate([at.jacobian, -mu * identity], axis=1)
-        unused = jnp.concatenate([jnp.zeros((q, n), x.dtype), identity], axis=1)
-        bottom = jnp.where(binds[:, None], bottom, unused)
-        target = jnp.where(side < 0, low, high)
-        right = jnp.concatenate(
-            [
-                jnp.where(held, target, -slope),
-                jnp.where(binds, -at.rows - mu * multipliers, 0.0),
-            ]
-        )
-        answer = jnp.linalg.solve(jnp.concatenate([top, bottom]), right)
-        return answer[:n], answer[n:]
+        held, masked = side != 0, jnp.where(binds[:, None], at.jacobian, 0.0)
+        rows = jnp.where(binds, at.rows, 0.0)
+        old = jnp.where(binds, multipliers, 0.0)
+        wanted = jnp.where(held, jnp.where(side < 0, low, high), -slope)
+        if q <= n:
+            d, y = _system(hessian, masked, mu, held, wanted, -rows - mu * old)
+            return d, jnp.where(binds, y, 0.0)
+        # The range of J has n dimensions at most, and beyond it the multipliers are known.
+        basis, factor = jnp.linalg.qr(masked)
+        right = -(basis.T @ rows) - mu * (basis.T @ old)
+        d, z = _system(hessian, factor, mu, held, wanted, right)
+        beyond = old + rows / mu
+        return d, jnp.where(binds, basis @ z + beyond - basis @ (basis.T @ beyond), 0.0)
 
     def again(_: int, carried: tuple[Array, ...]) -> tuple[Array, ...]:
         binds, side = carried[:2]
@@ -87,19 +83,35 @@ def newton_step(
     return Step(box.project(x + d), jnp.where(equal, y, jnp.minimum(y, 0.0)))
 
 
+def _system(
+    hessian: Array, jacobian: Array, mu: Array, held: Array, upper: Array, lower: Array
+) -> tuple[Array, Array]:
+    """Solve H d + J' y = upper, J d - mu y = lower; of held variables (n,) `upper` is the step."""
+    n, m = hessian.shape[0], jacobian.shape[0]
+    top = jnp.concatenate([hessian, jacobian.T], axis=1)
+    top = jnp.where(held[:, None], jnp.eye(n, n + m, dtype=hessian.dtype), top)
+    bottom = jnp.concatenate([jacobian, -mu * jnp.eye(m, dtype=hessian.dtype)], axis=1)
+    matrix = jnp.concatenate([top, bottom])
+    answer = jnp.linalg.solve(matrix, jnp.concatenate([upper, lower]))
+    return answer[:n], answer[n:]
+
+
 def fit(at: Local, multipliers: Array, x: Array, box: Box, equal: Array) -> Array:
     """Multipliers (q,) near the given ones that minimise the gradient of the Lagrangian at x.
 
     Where multipliers do not exist Newton's steps go to the solution all the same, and only
     multipliers that fit the new point show it.
     """
+    n, q = x.shape[0], multipliers.shape[0]
     slope = at.slope + at.jacobian.T @ multipliers
     stays = ((x <= box.lower) & (slope > 0)) | ((x >= box.upper) & (slope < 0))
     binds = equal | (multipliers < 0)
     matrix = jnp.where(binds[:, None] & ~stays[None, :], at.jacobian, 0.0)
-    gram = matrix @ matrix.T
-    q = gram.shape[0]
+    basis, factor = jnp.linalg.qr(matrix) if q > n else (None, matrix)
+    gram = factor @ factor.T
     least = 1e-14 * jnp.trace(gram) + 1e-300
-    change = jnp.linalg.solve(gram + least * jnp.eye(q, dtype=x.dtype), -(matrix @ slope))
+    gram = gram + least * jnp.eye(gram.shape[0], dtype=x.dtype)
+    change = jnp.linalg.solve(gram, -(factor @ slope))
+    change = change if basis is None else basis @ change
     fitted = multipliers + jnp.where(jnp.isfinite(change), change, 0.0)
     return jnp.where(equal, fitted, jnp.minimum(fitted, 0.0))

@@ -67,8 +67,10 @@ def try_out(task: Task, s: State, seen: Look, decision: Decision) -> Trial:
     value = merit.value(at.objective, at.rows)
     rows = jax.vmap(task.rows)(proposed.points)
     values = jax.vmap(lambda row: merit.value(row[0], row[1:]))(rows)
+    # A row that is not finite may pass for one that holds: XLA's maximum drops it.
+    finite = jnp.isfinite(jnp.concatenate([proposed.points, rows, values[:, None]], axis=1))
     # Directions without a reason serve only where nothing else tells a saddle.
-    counts = jnp.isfinite(values) & (proposed.reasoned | seen.finishing)
+    counts = jnp.all(finite, axis=1) & (proposed.reasoned | seen.finishing)
     values = jnp.where(counts, values, jnp.inf)
     best = jnp.argmin(values)
     x, lowest = proposed.points[best], values[best]
