@@ -60,7 +60,7 @@ class Routine:
 
     def __call__(self, *args: Any) -> Any:
         """Call the function; wait first for a compilation that has begun for such arguments."""
-        kept = bool(_folder()) and self._kept
+        kept = self._kept and bool(_folder())
         if not self._begun and not kept:
             return self._jitted(*args)
         key = self._key(args)
