@@ -1,6 +1,7 @@
 """Time that `jaxatt.minimize` takes for a new problem, and for the next start of it.
 
     python -m benchmarks.minimize_times [--rows 500 2000 10000] [--only NAME ...]
+                                       [--loop auto|host|compiled]
 
 Small problems first, then few variables under many constraints: semi-infinite programmes on a grid
 (Coope & Watson 1985, problem 1: 0.1944660; the smallest disc around points), minima of maxima
@@ -38,9 +39,10 @@ class Case:
     args: tuple[Any, ...] = ()
     options: dict[str, Any] = field(default_factory=dict)
 
-    def solve(self, away: float) -> Any:
+    def solve(self, away: float, loop: str) -> Any:
         """From x0, moved by `away`."""
-        return jaxatt.minimize(self.objective, np.array(self.x0) + away, self.args, **self.options)
+        begin = np.array(self.x0) + away
+        return jaxatt.minimize(self.objective, begin, self.args, loop=loop, **self.options)
 
 
 def small() -> Iterator[Case]:
@@ -121,15 +123,15 @@ def _disc(points: Any) -> float:
     return float(np.sqrt(best.fun))
 
 
-def measure(case: Case) -> str:
+def measure(case: Case, loop: str) -> str:
     """One line of the table."""
     began = time.process_time()
-    found = case.solve(0.0)
+    found = case.solve(0.0, loop)
     first = time.process_time() - began
     count, began = 0, time.process_time()
     while count < _NEXT and time.process_time() - began < 10.0:
         count += 1
-        case.solve(1e-2 * count)
+        case.solve(1e-2 * count, loop)
     following = (time.process_time() - began) / count
     off = "" if case.optimum is None else f"{found.objective - case.optimum:10.1e}"
     return (f"{case.name:22s} {first:8.2f} {1e3 * following:10.1f}  {found.status.name:12s} "
@@ -139,11 +141,12 @@ def measure(case: Case) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rows", type=int, nargs="*", default=[500, 2000, 10_000])
+    parser.add_argument("--loop", default="auto")
     parser.add_argument("--only", nargs="+", default=[])
     chosen = parser.parse_args()
     jaxatt.configure()
     warm = Case("warm", lambda x: x @ x, [1.0, 2.0, 3.0], 0.0)
-    warm.solve(0.0)
+    warm.solve(0.0, chosen.loop)
     jax.config.update("jax_enable_compilation_cache", False)
     print(f"{'':22s} {'new, s':>8s} {'next, ms':>10s}  {'status':12s} {'objective':>13s} "
           f"{'beyond':>10s} {'passes':>6s}")  # fmt: skip
@@ -152,7 +155,7 @@ def main() -> None:
         print(title)
         for case in cases:
             if not chosen.only or case.name in chosen.only:
-                print(measure(case), flush=True)
+                print(measure(case, chosen.loop), flush=True)
 
 
 if __name__ == "__main__":

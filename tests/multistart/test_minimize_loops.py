@@ -22,7 +22,7 @@ def equality(x, p):
 
 
 def inequality(x, p):
-    return jnp.stack([p["size"] - x @ x, x[0] + x[1] ** 2 - p["least"]])
+    return jnp.stack([p["size"] - x @ x, jnp.log(3.0 + x[0]) + x[1] ** 2 - p["least"]])
 
 
 def random_problem(rng):

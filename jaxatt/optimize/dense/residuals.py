@@ -98,7 +98,7 @@ def residuals(
     lower_gap, upper_gap = (x - box.lower) * unit, (box.upper - x) * unit
     bounds = xp.sum(xp.isfinite(box.lower)) + xp.sum(xp.isfinite(box.upper))
     if certain(bounds == 0):
-        lower = upper = 0.0 * slope
+        lower = upper = xp.zeros_like(slope)
     else:
         lower, upper = _held(slope, lower_gap), _held(-slope, upper_gap)
     sided = xp.sum(abs(xp.where(equal, 0.0, own))) + xp.sum(lower) + xp.sum(upper)
