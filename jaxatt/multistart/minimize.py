@@ -12,6 +12,8 @@ import numpy.typing as npt
 from jax import Array
 
 from jaxatt.multistart.driver import Plain, run_starts
+from jaxatt.multistart.on_host import run_on_host
+from jaxatt.optimize.dense.called import CalledFunctions
 from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.inputs import (
     Floats,
@@ -20,10 +22,12 @@ from jaxatt.optimize.dense.inputs import (
     inner_of,
     key_of,
     limits_of,
+    loop_of,
+    problem_of,
     starts_of,
 )
 from jaxatt.optimize.dense.solver import Case, DenseLagrangian
-from jaxatt.optimize.dense.start import draw
+from jaxatt.optimize.dense.start import Draws, draw
 from jaxatt.optimize.status import Status
 from jaxatt.runtime.settings import check_precision
 
@@ -105,6 +109,7 @@ def minimize(
     starts: int = 1,
     key: Array | None = None,
     inner: str = "auto",
+    loop: str = "auto",
 ) -> Minimum:
     """Minimise objective(x, *args) subject to equality == 0, inequality >= 0, lower <= x <= upper.
 
@@ -122,6 +127,12 @@ def minimize(
     key : of the draws, `jax.random.key(0)` by default; start i depends on key and i alone.
     inner : "newton" (exact Hessian), "gauss-newton" (no curvature of the constraints), "lbfgs",
     "adam", or "auto": "newton" up to 300 variables, "lbfgs" beyond.
+
+    loop : "host" compiles the functions alone and runs the solver from Python, one start after the
+    other: a new problem is answered soonest.  "compiled" compiles it with them, which takes seconds
+    but less for every start, and runs all side by side.  "auto" is "host" for up to 16 starts,
+    until a problem has had 256; "lbfgs" and "adam" are always compiled.  Both take the same steps,
+    to rounding.
 
     The best start is returned: converged before feasible before anything else, then by objective.
     Where none gets there a few more starts are drawn in the same way.
@@ -144,18 +155,35 @@ def minimize(
     root = key_of(key)
     own = begin.shape[0]
     total = max(own, int(starts))
+    where = loop_of(loop, chosen, problem_of(functions, begin[0], args), total)
+    run = _runner(where, solver, functions, Case(args, box), (m, p), total)
     ends: list[Any] = []
     for round_ in range(1 + _RESCUES):
         first = round_ * total
         index = np.arange(first, first + total)
         draws = draw(begin, index, box, root)
-        ends.append(run_starts(solver, Plain(functions), draws, Case(args, box), rows=total))
+        ends.append(run(draws))
         status = ends[-1].status
         if np.isin(status, (Status.CONVERGED, Status.UNBOUNDED)).any():
             break
         if round_ > 0 and any((end.status == Status.FEASIBLE).any() for end in ends):
             break
     return _answer(jax.tree.map(lambda *leaves: np.concatenate(leaves), *ends), m, p)
+
+
+def _runner(
+    loop: str,
+    solver: DenseLagrangian,
+    functions: Functions,
+    case: Case,
+    counts: tuple[int, int],
+    total: int,
+) -> Callable[[Draws], Any]:
+    """What runs starts: on the host, or compiled in chunks of `total`."""
+    if loop == "host":
+        called = CalledFunctions(functions, *counts)
+        return lambda draws: run_on_host(solver, called, draws, case)
+    return lambda draws: run_starts(solver, Plain(functions), draws, case, rows=total)
 
 
 def _answer(ends: Any, m: int, p: int) -> Minimum:

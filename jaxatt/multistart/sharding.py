@@ -50,5 +50,5 @@ def parted(
 def placed(mesh: Mesh | None, of: Any, where: Any) -> Any:
     """A pytree on the devices of a chunk, where `parted` expects it."""
     if mesh is None:
-        return jax.device_put(of, jax.local_devices()[0])
+        return of  # The call hands NumPy's arrays over faster.
     return jax.device_put(of, jax.tree.map(lambda spec: NamedSharding(mesh, spec), where))

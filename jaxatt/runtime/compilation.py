@@ -52,7 +52,7 @@ class Routine:
 
     def __call__(self, *args: Any) -> Any:
         """Call the function; wait first for a compilation that has begun for such arguments."""
-        kept = bool(kept_programs.folder()) and self._kept
+        kept = self._kept and bool(kept_programs.folder())
         if not (self._begun or kept):
             return self._jitted(*args)
         key = self._key(args)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize.dense.arrays import certain, namespace
 from jaxatt.optimize.dense.look import Look
 from jaxatt.optimize.dense.merit import Merit
 from jaxatt.optimize.dense.residuals import largest, violated
@@ -23,6 +23,7 @@ _MOST_STALLS = 4
 _MOST_RESTORATIONS = 3
 _MOST_RESETS = 12
 _PROBING_PENALTY = 1e7
+_SETTLED = 8
 
 
 class _Outer(NamedTuple):
@@ -58,8 +59,8 @@ class Decision(NamedTuple):
 
     multipliers : those of the augmented Lagrangian.  newton : a step on the first-order
     conditions comes next.  failed : the one on trial was no good.  turned : a restoration begins
-    or ends.  runaway : the augmented Lagrangian fell without limit.  near : constraints hold for
-    the size of x.
+    or ends.  runaway : the augmented Lagrangian fell without limit.  retreats : not all is finite.
+    settles : residuals below tolerance fall no more.  near : constraints hold for the size of x.
     """
 
     merit: Merit
@@ -79,13 +80,22 @@ class Decision(NamedTuple):
     infeasible: Array
     gave_up: Array
     runaway: Array
+    retreats: Array
+    settles: Array
+
+    @property
+    def stays(self) -> Array:
+        """Whether the next point is no trial point, unless only the curvature is looked at."""
+        away = self.failed | self.runaway | self.retreats | self.settles
+        return away | self.infeasible | self.gave_up
 
 
 def decide(task: Task, s: State, seen: Look) -> Decision:
     """Decide from the current point what the next step is for."""
+    xp = namespace(s.x)
     gradient = seen.merit.gradient(seen.at, seen.estimate)
     reach = largest(s.x - task.box.project(s.x - gradient))
-    most = jnp.where(seen.restoring, 5 * task.limits.max_inner, task.limits.max_inner)
+    most = xp.where(seen.restoring, 5 * task.limits.max_inner, task.limits.max_inner)
     exhausted = s.stuck | (s.inner >= most)
     outer = _update(task, s, seen, reach, exhausted)
     restoration = _restoration(task, s, seen, reach, exhausted)
@@ -94,8 +104,8 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
 
     # Where the augmented Lagrangian, not the programme, has no minimum: more penalty.
     size = largest(s.x)
-    near = far <= task.limits.tolerance * jnp.maximum(1.0, size)
-    runaway = (far > 1e4 * jnp.maximum(1.0, s.violation)) | ((size > 1e12) & ~near)
+    near = far <= task.limits.tolerance * xp.maximum(1.0, size)
+    runaway = (far > 1e4 * xp.maximum(1.0, s.violation)) | ((size > 1e12) & ~near)
     descending = s.phase == Phase.DESCENT
     runaway = runaway & seen.finite & descending & ~near & (s.resets < _MOST_RESETS)
 
@@ -103,18 +113,18 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
     newton = ((ended & ~hopeless) | kept) & ~seen.finishing
     if task.first_order is not None:
         newton = newton & False
-    phase = jnp.where(newton, Phase.NEWTON, jnp.where(seen.restoring, s.phase, Phase.DESCENT))
-    phase = jnp.where(hopeless, Phase.RESTORATION, phase)
-    phase = jnp.where(restoration.restored, Phase.DESCENT, phase)
+    phase = xp.where(newton, Phase.NEWTON, xp.where(seen.restoring, s.phase, Phase.DESCENT))
+    phase = xp.where(hopeless, Phase.RESTORATION, phase)
+    phase = xp.where(restoration.restored, Phase.DESCENT, phase)
     turned = hopeless | restoration.restored
-    multipliers = jnp.where(turned, 0.0, outer.multipliers)
-    more = jnp.minimum(100.0 * outer.penalty, _LARGEST_PENALTY)
-    penalty = jnp.where(runaway, more, outer.penalty)
+    multipliers = xp.where(turned, 0.0, outer.multipliers)
+    more = xp.minimum(100.0 * outer.penalty, _LARGEST_PENALTY)
+    penalty = xp.where(runaway, more, outer.penalty)
 
-    weight = jnp.where(phase == Phase.RESTORATION, 0.0, 1.0)
-    used = jnp.where(phase == Phase.RESTORATION, task.own_penalty, penalty)
-    used = jnp.where(seen.finishing, jnp.maximum(used, _PROBING_PENALTY), used)
-    held = jnp.where(seen.finishing, seen.here.multipliers, multipliers)
+    weight = xp.where(phase == Phase.RESTORATION, 0.0, 1.0)
+    used = xp.where(phase == Phase.RESTORATION, task.own_penalty, penalty)
+    used = xp.where(seen.finishing, xp.maximum(used, _PROBING_PENALTY), used)
+    held = xp.where(seen.finishing, seen.here.multipliers, multipliers)
     return Decision(
         merit=Merit(weight, held, used, task.equal),
         multipliers=multipliers,
@@ -133,28 +143,31 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
         infeasible=restoration.infeasible,
         gave_up=restoration.gave_up,
         runaway=runaway,
+        retreats=~seen.finite & ~seen.trying,
+        settles=(s.settled >= _SETTLED) & ~seen.finishing,
     )
 
 
 def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Outer:
     """New multipliers, penalty and goal after an inner minimisation has ended."""
+    xp = namespace(s.x)
     error, tolerance = seen.here.residuals, task.limits.tolerance
     flat = (s.inner > 0) & (reach <= s.goal) & ~s.curved
     descending = s.phase == Phase.DESCENT
     ended = seen.finite & descending & (flat | exhausted) & ~seen.finishing
     far = largest(violated(seen.at.rows, task.equal))
     well = (seen.met & (error.product <= tolerance)) | (far <= _SHRINKS_WELL * s.violation)
-    safe = jnp.clip(seen.estimate, -_LARGEST_MULTIPLIER, _LARGEST_MULTIPLIER)
-    steeper = jnp.where(s.stalls >= _MOST_STALLS - 1, _GROWTH**2, _GROWTH)
-    growth = jnp.where(ended & ~well, steeper, 1.0)
-    stalls = jnp.where(ended, jnp.where(well, 0, s.stalls + 1), s.stalls)
-    goal = jnp.maximum(_LEAST_GOAL, 0.1 * jnp.minimum(s.goal, 10.0 * reach))
+    safe = xp.clip(seen.estimate, -_LARGEST_MULTIPLIER, _LARGEST_MULTIPLIER)
+    steeper = xp.where(s.stalls >= _MOST_STALLS - 1, _GROWTH**2, _GROWTH)
+    growth = xp.where(ended & ~well, steeper, 1.0)
+    stalls = xp.where(ended, xp.where(well, 0, s.stalls + 1), s.stalls)
+    goal = xp.maximum(_LEAST_GOAL, 0.1 * xp.minimum(s.goal, 10.0 * reach))
     return _Outer(
         ended=ended,
         far=far,
-        multipliers=jnp.where(ended, safe, s.multipliers),
-        penalty=jnp.minimum(s.penalty * growth, _LARGEST_PENALTY),
-        goal=jnp.where(ended, goal, s.goal),
+        multipliers=xp.where(ended, safe, s.multipliers),
+        penalty=xp.minimum(s.penalty * growth, _LARGEST_PENALTY),
+        goal=xp.where(ended, goal, s.goal),
         stalls=stalls,
         hopeless=ended & ~seen.met & (stalls >= _MOST_STALLS) & (far > 0.5 * s.violation),
     )
@@ -162,10 +175,13 @@ def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) ->
 
 def _restoration(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Restoration:
     """Whether a restoration has ended: back to the programme, or locally infeasible."""
+    xp = namespace(s.x)
+    if certain(~seen.restoring):
+        return _Restoration(seen.restoring, seen.restoring, seen.restoring)
     violation = seen.here.residuals.violation
     own = 1.0 / task.scale[1:]
-    amiss = jnp.linalg.norm(violated(seen.at.rows * own, task.equal))
-    spread = jnp.maximum(1.0, largest(seen.at.jacobian * own[:, None]))
+    amiss = xp.sqrt(xp.sum(violated(seen.at.rows * own, task.equal) ** 2))
+    spread = xp.maximum(1.0, largest(seen.at.jacobian * own[:, None]))
     level = reach <= 1e-9 * amiss * spread
     at_it = seen.finite & seen.restoring
     restored = at_it & (violation <= 0.1 * task.limits.tolerance)

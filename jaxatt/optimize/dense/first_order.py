@@ -9,8 +9,8 @@ import optax
 from jax import Array
 
 from jaxatt.optimize.dense import proposals
+from jaxatt.optimize.dense.arrays import choose
 from jaxatt.optimize.dense.residuals import Box
-from jaxatt.optimize.dense.state import choose
 
 
 class FirstOrder:

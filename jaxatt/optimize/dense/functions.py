@@ -11,6 +11,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize import features
+from jaxatt.optimize.dense.arrays import namespace
 
 Function = Callable[..., Any]
 
@@ -52,6 +53,10 @@ class Functions:
         """Objective, equalities and inequalities stacked, (1 + q,)."""
         objective, equality, inequality = self.parts(x, args)
         return jnp.concatenate([objective[None], equality, inequality])
+
+    def many(self, points: Array, args: Any) -> Array:
+        """Stacked rows (k, 1 + q) at points (k, n)."""
+        return jax.vmap(lambda x: self.rows(x, args))(points)
 
     def derivatives(self, x: Array, args: Any) -> tuple[Array, Array]:
         """Stacked rows (1 + q,) and their derivatives (1 + q, n)."""
@@ -96,7 +101,9 @@ class Local(NamedTuple):
     @property
     def finite(self) -> Array:
         """Whether all values and derivatives are finite."""
-        return jnp.all(jnp.array([jnp.all(jnp.isfinite(leaf)) for leaf in self]))
+        xp = namespace(self.rows)
+        own = [xp.all(xp.isfinite(leaf)) for leaf in self]
+        return own[0] & own[1] & own[2] & own[3]
 
 
 def scale_of(derivatives: Array) -> Array:
@@ -104,6 +111,7 @@ def scale_of(derivatives: Array) -> Array:
 
     derivatives : (1 + q, n) at the start.  Source: Waechter & Biegler (2006), section 3.8.
     """
-    steepest = jnp.max(jnp.abs(derivatives), axis=1)
-    steepest = jnp.where(jnp.isfinite(steepest), steepest, 1.0)
-    return jnp.maximum(_SMALLEST_SCALE, jnp.minimum(1.0, _LARGEST_SLOPE / steepest))
+    xp = namespace(derivatives)
+    steepest = xp.max(abs(derivatives), axis=1)
+    steepest = xp.where(xp.isfinite(steepest), steepest, 1.0)
+    return xp.maximum(_SMALLEST_SCALE, xp.minimum(1.0, _LARGEST_SLOPE / steepest))

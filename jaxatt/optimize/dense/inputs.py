@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Hashable
 from typing import Any
 
 import jax
@@ -18,6 +20,8 @@ from jaxatt.optimize.dense.state import Limits
 Floats = npt.NDArray[np.float64]
 
 _MANY_VARIABLES = 300
+_FEW_STARTS = 16
+_WORTH_COMPILING = 256
 _ITERATIONS = {"newton": 500, "gauss-newton": 1000, "lbfgs": 5000, "adam": 50_000}
 _INNER = {"newton": 60, "gauss-newton": 100, "lbfgs": 300, "adam": 3000}
 
@@ -29,9 +33,7 @@ def limits_of(tolerance: float, max_iterations: int | None, inner: str) -> Limit
     passes = _ITERATIONS[inner] if max_iterations is None else max_iterations
     if int(passes) != passes or passes < 1:
         raise ValueError(f"max_iterations = {max_iterations!r}: must be a whole number, at least 1")
-    return Limits(
-        jnp.asarray(float(tolerance)), jnp.asarray(int(passes)), jnp.asarray(_INNER[inner])
-    )
+    return Limits(np.float64(tolerance), np.int64(passes), np.int64(_INNER[inner]))  # type: ignore[arg-type]
 
 
 def starts_of(x0: Any, starts: int) -> Floats:
@@ -72,7 +74,7 @@ def box_of(lower: Any, upper: Any, n: int) -> Box:
         )
     if (sides[0] == np.inf).any() or (sides[1] == -np.inf).any():
         raise ValueError("lower holds inf or upper -inf: no x is inside; use -inf and inf")
-    return Box(jnp.asarray(sides[0]), jnp.asarray(sides[1]))
+    return Box(*sides)  # type: ignore[arg-type]
 
 
 def inner_of(inner: str, n: int) -> str:
@@ -86,10 +88,31 @@ def inner_of(inner: str, n: int) -> str:
     return inner
 
 
+def loop_of(loop: str, inner: str, problem: Hashable, starts: int) -> str:
+    """Where the loop of so many starts runs: "host" or "compiled"."""
+    exact = inner in ("newton", "gauss-newton")
+    if loop not in ("auto", "host", "compiled"):
+        raise ValueError(f"loop = {loop!r}: unknown; choose one of auto, host, compiled")
+    if loop == "host" and not exact:
+        raise ValueError(f"loop = 'host': inner = {inner!r} is compiled; choose 'auto'")
+    if loop != "auto":
+        return loop
+    done = _ON_HOST.get(problem, 0)
+    if not exact or starts > _FEW_STARTS or done >= _WORTH_COMPILING:
+        return "compiled"
+    _ON_HOST[problem] = done + starts
+    return "host"
+
+
+@functools.cache
+def _first_key() -> Array:
+    return jax.random.key(0)
+
+
 def key_of(key: Array | None) -> Array:
     """Random key for drawing starts."""
     if key is None:
-        return jax.random.key(0)
+        return _first_key()
     if not (isinstance(key, jax.Array) and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)):
         raise ValueError(f"key = {key!r}: must be a typed key, e.g. jax.random.key(0)")
     if key.shape != ():
@@ -97,13 +120,20 @@ def key_of(key: Array | None) -> Array:
     return key
 
 
-_SHAPES: dict[Any, tuple[int, int]] = {}
+def problem_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> Hashable:
+    """Key of a problem: its functions and the shapes of their arguments."""
+    leaves, tree = jax.tree.flatten(args)
+    return functions, x.shape, tree, tuple((np.shape(v), jnp.result_type(v)) for v in leaves)
+
+
+_SHAPES: dict[Hashable, tuple[int, int]] = {}
+_ON_HOST: dict[Hashable, int] = {}
+"""Starts of a problem that ran on the host because nothing else was asked for."""
 
 
 def counts_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> tuple[int, int]:
     """Number of equalities and inequalities, after checking what the functions return."""
-    leaves, tree = jax.tree.flatten(args)
-    what = (functions, x.shape, tree, tuple((np.shape(v), jnp.result_type(v)) for v in leaves))
+    what = problem_of(functions, x, args)
     if what not in _SHAPES:
         counts = []
         at = jax.eval_shape(lambda: jnp.zeros(x.shape))

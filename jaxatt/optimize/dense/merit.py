@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.optimize.augmented_lagrangian.penalty import pushed
+from jaxatt.optimize.dense.arrays import namespace
 from jaxatt.optimize.dense.functions import Local
 
 
@@ -24,14 +23,23 @@ class Merit(NamedTuple):
     equal: Array
 
     def estimate(self, rows: Array) -> Array:
-        """First-order multiplier estimates (q,); those of inequalities are not positive."""
-        free = self.multipliers + self.penalty * rows
-        return jnp.where(self.equal, free, -pushed(-self.multipliers, self.penalty, rows))
+        """First-order multiplier estimates (q,) or (k, q), not positive of inequalities."""
+        xp = namespace(rows)
+        multipliers, penalty, equal = self.multipliers, self.penalty, self.equal
+        if rows.ndim == 2:
+            multipliers, equal = multipliers[None, :], equal[None, :]
+            penalty = penalty if penalty.ndim == 0 else penalty[None, :]
+        free = multipliers + penalty * rows
+        return xp.where(equal, free, xp.minimum(free, 0.0))
 
     def value(self, objective: Array, rows: Array) -> Array:
-        """Merit () at evaluated rows."""
-        shift = (self.estimate(rows) ** 2 - self.multipliers**2) / (2.0 * self.penalty)
-        return self.weight * objective + jnp.sum(shift)
+        """Merit () at evaluated rows (q,), or (k,) at (k, q)."""
+        xp = namespace(rows)
+        old, penalty = self.multipliers, self.penalty
+        if rows.ndim == 2:
+            old, penalty = old[None, :], penalty if penalty.ndim == 0 else penalty[None, :]
+        shift = (self.estimate(rows) ** 2 - old**2) / (2.0 * penalty)
+        return self.weight * objective + xp.sum(shift, axis=-1)
 
     def gradient(self, at: Local, estimate: Array) -> Array:
         """Gradient (n,) of the merit, given the multiplier estimate (q,)."""

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import jax
-import jax.numpy as jnp
+import functools
+
 import numpy as np
+import numpy.typing as npt
 from jax import Array
 
+from jaxatt.optimize.dense.arrays import namespace
 from jaxatt.optimize.dense.residuals import Box
 from jaxatt.optimize.dense.trust_region import Spectrum, steps
 
@@ -23,8 +25,9 @@ def held(x: Array, gradient: Array, box: Box) -> Array:
 
     Near counts as at, the nearer to a minimum the less: Bertsekas (1982), Projected Newton methods.
     """
-    reach = jnp.max(jnp.abs(x - box.project(x - gradient)), initial=0.0)
-    width = jnp.minimum(1e-6, reach)
+    xp = namespace(x)
+    reach = xp.max(abs(x - box.project(x - gradient)), initial=0.0)
+    width = xp.minimum(1e-6, reach)
     below = (x - box.lower <= width) & (gradient > 0)
     above = (box.upper - x <= width) & (gradient < 0)
     return below | above | (box.lower >= box.upper)
@@ -32,16 +35,17 @@ def held(x: Array, gradient: Array, box: Box) -> Array:
 
 def _at_bounds(x: Array, gradient: Array, fixed: Array, box: Box) -> Array:
     """Put the held variables onto their bounds."""
-    edge = jnp.where(gradient > 0, box.lower, box.upper)
-    edge = jnp.where(jnp.isfinite(edge), edge, x)
-    return jnp.where(fixed, edge, x)
+    xp = namespace(x)
+    edge = xp.where(gradient > 0, box.lower, box.upper)
+    edge = xp.where(xp.isfinite(edge), edge, x)
+    return xp.where(fixed, edge, x)
 
 
 def descent(x: Array, gradient: Array, radius: Array, box: Box) -> Array:
     """Trial points (5, n) along the projected gradient."""
-    size = jnp.linalg.norm(gradient) + 1e-300
-    shares = jnp.asarray(_SLOPES, x.dtype)
-    return jax.vmap(lambda share: box.project(x - share * radius * gradient / size))(shares)
+    xp = namespace(x)
+    way = radius * gradient / (xp.sqrt(gradient @ gradient) + 1e-300)
+    return box.project(x[None, :] - xp.asarray(_SLOPES)[:, None] * way[None, :])
 
 
 def second_order(
@@ -54,35 +58,39 @@ def second_order(
     box: Box,
 ) -> Array:
     """Trial points: trust-region and Newton steps, lowest curvature both ways, gradient."""
-    free = jnp.where(fixed, 0.0, gradient)
+    xp = namespace(x)
     base = _at_bounds(x, gradient, fixed, box)
-    within = steps(free, spectrum, radius * jnp.asarray(_RADII, x.dtype))
-    way = spectrum.vectors[:, 0]
-    reach = radius * jnp.asarray(_CURVED, x.dtype)
-    moves = jnp.concatenate([within, reach[:, None] * way[None, :], -reach[:, None] * way[None, :]])
-    trials = jax.vmap(lambda move: box.project(base + jnp.where(fixed, 0.0, move)))(moves)
-    shares = jnp.asarray(_SHARES, x.dtype)
-    towards = jax.vmap(lambda share: box.project(x + share * (newton - x)))(shares)
-    return jnp.concatenate(
-        [trials, towards, descent(x, gradient, radius, box), _probes(x, fixed, radius, box)]
+    within = steps(xp.where(fixed, 0.0, gradient), spectrum, radius * xp.asarray(_RADII))
+    curved = radius * xp.asarray(_CURVED)[:, None] * spectrum.vectors[:, 0][None, :]
+    moves = xp.where(fixed[None, :], 0.0, xp.concatenate([within, curved, -curved]))
+    towards = x[None, :] + xp.asarray(_SHARES)[:, None] * (newton - x)[None, :]
+    points = box.project(xp.concatenate([base[None, :] + moves, towards]))
+    return xp.concatenate(
+        [points, descent(x, gradient, radius, box), _probes(x, fixed, radius, box)]
     )
 
 
 def _probes(x: Array, fixed: Array, radius: Array, box: Box) -> Array:
     """Fixed pattern of points around x, (PROBES, n)."""
-    ways = np.random.default_rng(0).normal(size=(PROBES // 4, x.shape[0]))
+    xp = namespace(x)
+    moves = xp.where(fixed[None, :], 0.0, xp.asarray(_pattern(x.shape[0])))
+    return box.project(x[None, :] + xp.maximum(0.1, radius) * moves)
+
+
+@functools.cache
+def _pattern(n: int) -> npt.NDArray[np.float64]:
+    """Directions of the probes and lengths, (PROBES, n)."""
+    ways = np.random.default_rng(0).normal(size=(PROBES // 4, n))
     ways = np.concatenate([ways, -ways]) / np.linalg.norm(ways, axis=1).max()
-    moves = jnp.asarray(np.concatenate([ways, 0.1 * ways]), x.dtype)
-    reach = jnp.maximum(0.1, radius)
-    return jax.vmap(lambda move: box.project(x + reach * jnp.where(fixed, 0.0, move)))(moves)
+    return np.concatenate([ways, 0.1 * ways])
 
 
 def along(
     x: Array, gradient: Array, direction: Array, fixed: Array, radius: Array, box: Box
 ) -> Array:
     """Trial points at fractions of a direction, projected, and along the gradient."""
+    xp = namespace(x)
     base = _at_bounds(x, gradient, fixed, box)
-    move = jnp.where(fixed, 0.0, direction)
-    shares = jnp.asarray(_ARC, x.dtype)
-    arc = jax.vmap(lambda share: box.project(base + share * move))(shares)
-    return jnp.concatenate([arc, descent(x, gradient, radius, box)])
+    move = xp.where(fixed, 0.0, direction)
+    arc = box.project(base[None, :] + xp.asarray(_ARC)[:, None] * move[None, :])
+    return xp.concatenate([arc, descent(x, gradient, radius, box)])

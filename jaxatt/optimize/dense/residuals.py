@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize.dense.arrays import certain, namespace
 from jaxatt.optimize.dense.functions import Local
 
 _USUAL_MULTIPLIER = 100.0
@@ -20,8 +20,10 @@ class Box(NamedTuple):
     upper: Array
 
     def project(self, x: Array) -> Array:
-        """The nearest point inside the bounds."""
-        return jnp.clip(x, self.lower, self.upper)
+        """The nearest point inside the bounds, of x (n,) or of each of (k, n)."""
+        xp = namespace(x)
+        lower, upper = (side if x.ndim == 1 else side[None, :] for side in self)
+        return xp.minimum(xp.maximum(x, lower), upper)
 
 
 class Residuals(NamedTuple):
@@ -44,26 +46,30 @@ class Residuals(NamedTuple):
     @property
     def total(self) -> Array:
         """Largest residual; inf where anything is not finite."""
-        total = jnp.maximum(self.violation, self.stationarity)
-        return jnp.where(jnp.isfinite(total), total, jnp.inf)
+        xp = namespace(self.violation)
+        total = xp.maximum(self.violation, self.stationarity)
+        return xp.where(xp.isfinite(total), total, xp.inf)
 
 
 def violated(rows: Array, equal: Array) -> Array:
     """Rows (q,) where they are violated, zero elsewhere; equal : (q,) bool."""
-    return jnp.where(equal, rows, jnp.minimum(rows, 0.0))
+    xp = namespace(rows)
+    return xp.where(equal, rows, xp.minimum(rows, 0.0))
 
 
 def largest(values: Array) -> Array:
     """Largest magnitude; 0 for an empty array."""
-    return jnp.max(jnp.abs(values), initial=0.0)
+    xp = namespace(values)
+    return xp.max(abs(values), initial=0.0)
 
 
 def _held(slope: Array, gap: Array) -> Array:
     """Multiplier of a bound, where attributing the gradient to the bound reduces the residual."""
-    push = jnp.maximum(slope, 0.0)
-    safe = jnp.where(jnp.isfinite(gap), gap, 0.0)
-    blame = jnp.isfinite(gap) & (safe * jnp.maximum(1.0, push) < push)
-    return jnp.where(blame, push, 0.0)
+    xp = namespace(slope)
+    push = xp.maximum(slope, 0.0)
+    safe = xp.where(xp.isfinite(gap), gap, 0.0)
+    blame = xp.isfinite(gap) & (safe * xp.maximum(1.0, push) < push)
+    return xp.where(blame, push, 0.0)
 
 
 def residuals(
@@ -84,34 +90,38 @@ def residuals(
     Products with violated constraints count too, so that a constraint with a huge multiplier has
     to hold more tightly.
     """
+    xp = namespace(x)
     rows = at.rows / scale[1:]
     own = multipliers * scale[1:] / scale[0]
-    own = jnp.where(equal, own, jnp.minimum(own, 0.0))
+    own = xp.where(equal, own, xp.minimum(own, 0.0))
     slope = (at.slope + at.jacobian.T @ multipliers) / scale[0] / unit
     lower_gap, upper_gap = (x - box.lower) * unit, (box.upper - x) * unit
-    lower, upper = _held(slope, lower_gap), _held(-slope, upper_gap)
-    bounds = jnp.isfinite(box.lower).sum() + jnp.isfinite(box.upper).sum()
-    sided = jnp.sum(jnp.abs(jnp.where(equal, 0.0, own))) + jnp.sum(lower) + jnp.sum(upper)
-    every = sided + jnp.sum(jnp.abs(jnp.where(equal, own, 0.0)))
+    bounds = xp.sum(xp.isfinite(box.lower)) + xp.sum(xp.isfinite(box.upper))
+    if certain(bounds == 0):
+        lower = upper = xp.zeros_like(slope)
+    else:
+        lower, upper = _held(slope, lower_gap), _held(-slope, upper_gap)
+    sided = xp.sum(abs(xp.where(equal, 0.0, own))) + xp.sum(lower) + xp.sum(upper)
+    every = sided + xp.sum(abs(xp.where(equal, own, 0.0)))
 
     def divisor(total: Array, count: Array, most: Array) -> Array:
-        mean = total / jnp.maximum(1, count)
-        return jnp.clip(mean / _USUAL_MULTIPLIER, 1.0, most)
+        mean = total / xp.maximum(1, count)
+        return xp.clip(mean / _USUAL_MULTIPLIER, 1.0, most)
 
-    worth = jnp.maximum(1.0, jnp.abs(at.objective / scale[0]))
-    most = jnp.minimum(_MOST_DIVISOR, worth)
-    by_sided = divisor(sided, jnp.sum(~equal) + bounds, most)
-    product = jnp.maximum(
-        largest(jnp.where(equal, 0.0, own * rows)) / by_sided,
-        largest(jnp.where(equal, own * rows, 0.0)) / divisor(every, own.shape[0] + bounds, most),
+    worth = xp.maximum(1.0, abs(at.objective / scale[0]))
+    most = xp.minimum(_MOST_DIVISOR, worth)
+    by_sided = divisor(sided, xp.sum(~equal) + bounds, most)
+    product = xp.maximum(
+        largest(xp.where(equal, 0.0, own * rows)) / by_sided,
+        largest(xp.where(equal, own * rows, 0.0)) / divisor(every, own.shape[0] + bounds, most),
     )
-    gaps = jnp.maximum(
-        largest(jnp.where(lower > 0, lower * lower_gap, 0.0)),
-        largest(jnp.where(upper > 0, upper * upper_gap, 0.0)),
+    gaps = xp.maximum(
+        largest(xp.where(lower > 0, lower * lower_gap, 0.0)),
+        largest(xp.where(upper > 0, upper * upper_gap, 0.0)),
     )
-    apart = largest(jnp.where(equal, 0.0, jnp.minimum(jnp.maximum(rows, 0.0), -own)))
+    apart = largest(xp.where(equal, 0.0, xp.minimum(xp.maximum(rows, 0.0), -own)))
     steep = largest(slope - lower + upper)
     steep = steep / divisor(every, own.shape[0] + bounds, most)
-    stationarity = jnp.max(jnp.stack([steep, product, gaps / by_sided, apart]))
+    stationarity = xp.maximum(xp.maximum(steep, product), xp.maximum(gaps / by_sided, apart))
     violation = largest(violated(rows, equal))
     return Residuals(violation, stationarity, product, own, lower, upper)

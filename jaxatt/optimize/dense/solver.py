@@ -20,13 +20,13 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize import features
 from jaxatt.optimize.dense.advance import advance
+from jaxatt.optimize.dense.arrays import choose, namespace
+from jaxatt.optimize.dense.called import AnyFunctions
 from jaxatt.optimize.dense.decide import decide
-from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.look import look
 from jaxatt.optimize.dense.residuals import Box, Residuals, largest, violated
 from jaxatt.optimize.dense.start import Beginning, Draws, begin
@@ -38,7 +38,6 @@ from jaxatt.optimize.dense.state import (
     Phase,
     Record,
     State,
-    choose,
 )
 from jaxatt.optimize.dense.task import Task
 from jaxatt.optimize.dense.trials import try_out
@@ -79,13 +78,13 @@ class DenseLagrangian(Solver):
     batch_axis = 0
     passes = 50
 
-    def init(self, program: Functions, start: Draws, args: Case) -> tuple[Beginning, State]:
+    def init(self, program: AnyFunctions, start: Draws, args: Case) -> tuple[Beginning, State]:
         """State of a start at its first finite point, with its scaling."""
         began = begin(program, start, args.values, args.box)
         return began, _first(self._task(program, began, args), began)
 
     def step(
-        self, program: Functions, state: tuple[Beginning, State], args: Case
+        self, program: AnyFunctions, state: tuple[Beginning, State], args: Case
     ) -> tuple[Beginning, State]:
         """Evaluate derivatives once, decide, and move once."""
         began, s = state
@@ -96,14 +95,24 @@ class DenseLagrangian(Solver):
         _, s = state
         return (s.status != RUNNING) | (s.iterations >= self.limits.max_iterations)
 
-    def result(self, program: Functions, state: tuple[Beginning, State], args: Case) -> Ending:
+    def result(self, program: AnyFunctions, state: tuple[Beginning, State], args: Case) -> Ending:
         """Best point of a start."""
         began, s = state
         return _ending(s, self.limits, began.unit)
 
-    def _task(self, program: Functions, began: Beginning, args: Case) -> Task:
+    def run(self, program: AnyFunctions, start: Draws, args: Case) -> Ending:
+        """Run one start to its result on the host, where arrays are NumPy's."""
+        began = begin(program, start, args.values, args.box)
+        task = self._task(program, began, args)
+        s = _first(task, began)
+        while not self.done((began, s)):
+            s = _next(task, s)
+        return _ending(s, self.limits, began.unit)
+
+    def _task(self, program: AnyFunctions, began: Beginning, args: Case) -> Task:
+        xp = namespace(began.x)
         m, p = program.counts(began.x, args.values)
-        equal = jnp.arange(m + p) < m
+        equal = xp.arange(m + p) < m
         unit = began.unit
         scaled = Box(args.box.lower / unit, args.box.upper / unit)
         return Task(program, args.values, scaled, began.scale, unit, equal, self.limits, self.inner)
@@ -118,24 +127,24 @@ def _next(task: Task, s: State) -> State:
 
 def _first(task: Task, began: Beginning) -> State:
     """State before the first iteration."""
-    x = began.x / began.unit
-    no_rows, no_bounds = jnp.zeros(task.equal.shape, x.dtype), jnp.zeros_like(x)
-    infinite = jnp.asarray(jnp.inf, x.dtype)
-    none, no = jnp.asarray(0), jnp.asarray(False)
+    xp, x = namespace(began.x), began.x / began.unit
+    no_rows, no_bounds = xp.zeros(task.equal.shape, x.dtype), xp.zeros_like(x)
+    infinite = xp.asarray(xp.inf, x.dtype)
+    none, no = xp.asarray(0), xp.asarray(False)
     unknown = Residuals(infinite, infinite, infinite, no_rows, no_bounds, no_bounds)
     blank = Record(x, no_rows, infinite, unknown)
     rows = began.rows * task.scale
-    amiss = 0.5 * jnp.sum(violated(rows[1:], task.equal) ** 2)
-    penalty = 10.0 * jnp.maximum(1.0, jnp.abs(rows[0])) / jnp.maximum(1.0, amiss)
+    amiss = 0.5 * xp.sum(violated(rows[1:], task.equal) ** 2)
+    penalty = 10.0 * xp.maximum(1.0, abs(rows[0])) / xp.maximum(1.0, amiss)
     return State(
         x=x,
         safe=x,
         outer=x,
         multipliers=no_rows,
-        penalty=jnp.clip(jnp.where(jnp.isfinite(penalty), penalty, 1.0), 1e-2, 1e2),
-        radius=jnp.maximum(1.0, 0.1 * largest(x)),
-        goal=jnp.asarray(FIRST_GOAL, x.dtype),
-        phase=jnp.asarray(int(Phase.DESCENT)),
+        penalty=xp.clip(xp.where(xp.isfinite(penalty), penalty, 1.0), 1e-2, 1e2),
+        radius=xp.maximum(1.0, 0.1 * largest(x)),
+        goal=xp.asarray(FIRST_GOAL, x.dtype),
+        phase=xp.asarray(int(Phase.DESCENT)),
         anchor=Anchor(x, no_rows, infinite),
         inner=none,
         stuck=no,
@@ -151,7 +160,7 @@ def _first(task: Task, began: Beginning) -> State:
         stationary=blank,
         feasible=blank,
         closest=blank,
-        status=jnp.where(began.finite, RUNNING, Status.NOT_FINITE),
+        status=xp.where(began.finite, RUNNING, Status.NOT_FINITE),
         iterations=none,
         method=task.first_order.init(x) if task.first_order is not None else None,
     )
@@ -159,15 +168,16 @@ def _first(task: Task, began: Beginning) -> State:
 
 def _ending(end: State, limits: Limits, unit: Array) -> Ending:
     """Best point of a start with the status that its residuals justify."""
+    xp = namespace(unit)
     converged = end.stationary.residuals.total <= limits.tolerance
     feasible = end.feasible.residuals.violation <= limits.tolerance
     unbounded = end.status == Status.UNBOUNDED
     converged = converged & ~unbounded
     last = Status.ITERATION_LIMIT
-    status = jnp.where(end.status == RUNNING, last, end.status)
-    status = jnp.where(status == Status.CONVERGED, last, status)
-    status = jnp.where(feasible & ~unbounded, Status.FEASIBLE, status)
-    status = jnp.where(converged, Status.CONVERGED, status)
+    status = xp.where(end.status == RUNNING, last, end.status)
+    status = xp.where(status == Status.CONVERGED, last, status)
+    status = xp.where(feasible & ~unbounded, Status.FEASIBLE, status)
+    status = xp.where(converged, Status.CONVERGED, status)
     found = choose(feasible, end.feasible, end.closest)
     found = choose(unbounded, end.closest, found)
     found = choose(unbounded & feasible, end.feasible, found)

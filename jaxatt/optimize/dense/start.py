@@ -5,15 +5,21 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import jax
-import jax.numpy as jnp
+import numpy as np
+import numpy.typing as npt
 from jax import Array
 
-from jaxatt.optimize.dense.functions import Functions, scale_of
+from jaxatt.optimize.dense.arrays import namespace, on_host
+from jaxatt.optimize.dense.called import AnyFunctions
+from jaxatt.optimize.dense.functions import scale_of
 from jaxatt.optimize.dense.residuals import Box
 
 _INSIDE = 1e-2
 _PERTURBED = 14
 _LARGEST_UNIT = 1e6
+_BLOCK = 64
+
+Floats = npt.NDArray[np.float64]
 
 
 class Beginning(NamedTuple):
@@ -32,13 +38,14 @@ class Beginning(NamedTuple):
 
 def _inside(x: Array, box: Box) -> Array:
     """Push a point off its bounds, by the rule of Waechter & Biegler (2006), section 3.6."""
+    xp = namespace(x)
     width = box.upper - box.lower
-    half = jnp.where(jnp.isfinite(width), _INSIDE * width, jnp.inf)
-    low = jnp.minimum(_INSIDE * jnp.maximum(1.0, jnp.abs(box.lower)), half)
-    high = jnp.minimum(_INSIDE * jnp.maximum(1.0, jnp.abs(box.upper)), half)
-    lower = jnp.where(jnp.isfinite(box.lower), box.lower + low, -jnp.inf)
-    upper = jnp.where(jnp.isfinite(box.upper), box.upper - high, jnp.inf)
-    return jnp.clip(x, jnp.minimum(lower, upper), jnp.maximum(lower, upper))
+    half = xp.where(xp.isfinite(width), _INSIDE * width, xp.inf)
+    low = xp.minimum(_INSIDE * xp.maximum(1.0, abs(box.lower)), half)
+    high = xp.minimum(_INSIDE * xp.maximum(1.0, abs(box.upper)), half)
+    lower = xp.where(xp.isfinite(box.lower), box.lower + low, -xp.inf)
+    upper = xp.where(xp.isfinite(box.upper), box.upper - high, xp.inf)
+    return xp.clip(x, xp.minimum(lower, upper), xp.maximum(lower, upper))
 
 
 class Draws(NamedTuple):
@@ -51,57 +58,80 @@ class Draws(NamedTuple):
     near: Array
 
 
-def begin(functions: Functions, draws: Draws, args: Any, box: Box) -> Beginning:
+def begin(functions: AnyFunctions, draws: Draws, args: Any, box: Box) -> Beginning:
     """The first candidate where all values and derivatives are finite.
 
     x0 inside the box, x0 pushed off the bounds, x0 perturbed more and more.
     """
-    candidates = jnp.concatenate(
+    xp = namespace(draws.x0)
+    candidates = xp.concatenate(
         [box.project(draws.x0)[None], _inside(draws.x0, box)[None], draws.near]
     )
-    values, derivatives = jax.vmap(lambda x: functions.derivatives(x, args))(candidates)
-    finite = jnp.all(jnp.isfinite(values), axis=1) & jnp.all(jnp.isfinite(derivatives), axis=(1, 2))
-    finite = finite & jnp.all(jnp.isfinite(candidates), axis=1)
-    first = jnp.argmax(finite)
-    x = candidates[first]
-    size = jnp.where(finite[first], jnp.clip(jnp.abs(x), 1.0, _LARGEST_UNIT), 1.0)
-    unit = 2.0 ** jnp.floor(jnp.log2(size))
-    scale = scale_of(derivatives[first] * unit[None, :])
-    return Beginning(x, values[first], unit, scale, finite[first])
+    x, rows, derivatives, finite = _first_finite(functions, candidates, args)
+    size = xp.where(finite, xp.clip(abs(x), 1.0, _LARGEST_UNIT), 1.0)
+    unit = 2.0 ** xp.floor(xp.log2(size))
+    return Beginning(x, rows, unit, scale_of(derivatives * unit[None, :]), finite)
 
 
-@jax.jit
-def draw(own: Array, index: Array, box: Box, root: Array) -> Draws:
+def _first_finite(
+    functions: AnyFunctions, candidates: Array, args: Any
+) -> tuple[Array, Array, Array, Array]:
+    """The first finite candidate or the first of all, rows and derivatives, whether it is finite.
+
+    The host evaluates no more candidates than it takes.
+    """
+    xp = namespace(candidates)
+
+    def finite(x: Array) -> tuple[Array, Array, Array, Array]:
+        rows, derivatives = functions.derivatives(x, args)
+        good = xp.all(xp.isfinite(x)) & xp.all(xp.isfinite(rows))
+        return x, rows, derivatives, good & xp.all(xp.isfinite(derivatives))
+
+    if on_host(candidates):
+        tried = (finite(x) for x in candidates)
+        first = next(tried)
+        return first if first[3] else next((other for other in tried if other[3]), first)
+    every = jax.vmap(finite)(candidates)
+    first = xp.argmax(every[3])
+    x, rows, derivatives, good = (leaf[first] for leaf in every)
+    return x, rows, derivatives, good
+
+
+@np.errstate(invalid="ignore")
+def draw(own: Floats, index: npt.NDArray[np.int64], box: Box, root: Array) -> Draws:
     """Starts `index`, (S,): the user's own (k, n) first, drawn ones beyond.
 
-    Compiled apart from the solver, which depends on the functions: random numbers take long.
+    Drawn on the host, because JAX's random numbers take seconds to compile.
     """
     count, n = own.shape
+    seed = np.asarray(jax.random.key_data(root)).ravel()
+    x0, near = np.empty((len(index), n)), np.empty((len(index), _PERTURBED, n))
+    size = 10.0 ** np.linspace(-4.0, 1.0, _PERTURBED)[:, None]
+    for block in np.unique(index // _BLOCK):
+        rng = np.random.default_rng([*seed, block])
+        here = np.flatnonzero(index // _BLOCK == block)
+        rows = index[here] % _BLOCK
+        noise = rng.normal(size=(_BLOCK, 1 + _PERTURBED, n))[rows]
+        even, coin = rng.uniform(size=(_BLOCK, n))[rows], rng.uniform(size=(_BLOCK, 1))[rows]
+        base = own[index[here] % count]
+        mine = (index[here] < count)[:, None]
+        start = np.where(mine, base, _drawn(base, box, noise[:, 0], even, coin < 0.5))
+        x0[here] = start
+        start = start[:, None, :]
+        around: Any = start + size * np.maximum(1.0, np.abs(start)) * noise[:, 1:]
+        near[here] = _inside(around, box)
+    return Draws(x0, near)  # type: ignore[arg-type]
 
-    def one(i: Array) -> Draws:
-        key, other = jax.random.split(jax.random.fold_in(root, i))
-        base = own[i % count]
-        x0 = jnp.where(i < count, base, drawn(base, box, key))
-        noise = jax.random.normal(other, (_PERTURBED, n), x0.dtype)
-        size = 10.0 ** jnp.linspace(-4.0, 1.0, _PERTURBED, dtype=x0.dtype)
-        moved = x0[None, :] + size[:, None] * jnp.maximum(1.0, jnp.abs(x0))[None, :] * noise
-        return Draws(x0, jax.vmap(lambda x: _inside(x, box))(moved))
 
-    return jax.vmap(one)(index)
-
-
-def drawn(x0: Array, box: Box, key: Array) -> Array:
-    """Draw a start around x0, (n,).
+def _drawn(
+    base: Floats, box: Box, normal: Floats, even: Floats, wide: npt.NDArray[np.bool_]
+) -> Floats:
+    """Draw starts around base, (k, n).
 
     Normal with the standard deviation max(1, |x0|); where both bounds are finite, every second
-    one uniform over the box instead.
+    one (wide) uniform over the box instead.
     """
-    shape, dtype = x0.shape, x0.dtype
-    one, two, three = jax.random.split(key, 3)
-    spread = jnp.maximum(1.0, jnp.abs(x0))
-    near = x0 + spread * jax.random.normal(one, shape, dtype)
-    bounded = jnp.isfinite(box.lower) & jnp.isfinite(box.upper)
-    lower, upper = jnp.where(bounded, box.lower, 0.0), jnp.where(bounded, box.upper, 0.0)
-    anywhere = lower + (upper - lower) * jax.random.uniform(two, shape, dtype)
-    wide = bounded & jax.random.bernoulli(three)
-    return box.project(jnp.where(wide, anywhere, near))
+    bounded = np.isfinite(box.lower) & np.isfinite(box.upper)
+    lower, upper = np.where(bounded, box.lower, 0.0), np.where(bounded, box.upper, 0.0)
+    near = base + np.maximum(1.0, np.abs(base)) * normal
+    return np.clip(np.where(wide & bounded, lower + (upper - lower) * even, near), *box)

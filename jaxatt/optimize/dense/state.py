@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
-from typing import Any, NamedTuple
+from typing import Any, Final, NamedTuple
 
-import jax
-import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize.dense.arrays import choose, namespace
 from jaxatt.optimize.dense.residuals import Residuals
 
 RUNNING = -1
@@ -18,16 +16,16 @@ FIRST_GOAL = 1e-2
 _VIOLATION_COSTS = 10.0
 
 
-class Phase(IntEnum):
+class Phase:
     """Purpose of the current point.
 
     DESCENT : minimise the augmented Lagrangian.  NEWTON : a step on the first-order conditions is
     on trial.  RESTORATION : minimise the violation, whatever the objective.
     """
 
-    DESCENT = 0
-    NEWTON = 1
-    RESTORATION = 2
+    DESCENT: Final = 0
+    NEWTON: Final = 1
+    RESTORATION: Final = 2
 
 
 class Limits(NamedTuple):
@@ -53,9 +51,10 @@ class Record(NamedTuple):
     @property
     def worth(self) -> Array:
         """Objective plus what a violation may gain where multipliers grow without limit."""
-        size = jnp.maximum(1.0, jnp.abs(self.objective))
-        worth = self.objective + _VIOLATION_COSTS * size * jnp.cbrt(self.residuals.violation)
-        return jnp.where(jnp.isnan(worth), jnp.inf, worth)
+        xp = namespace(self.objective)
+        size = xp.maximum(1.0, abs(self.objective))
+        worth = self.objective + _VIOLATION_COSTS * size * xp.cbrt(self.residuals.violation)
+        return xp.where(xp.isnan(worth), xp.inf, worth)
 
     def unless(self, replace: Array, other: Record) -> Record:
         """This record, or the other one where `replace` holds."""
@@ -105,8 +104,3 @@ class State(NamedTuple):
     status: Array
     iterations: Array
     method: Any
-
-
-def choose(condition: Array, yes: Any, no: Any) -> Any:
-    """Leafwise `jnp.where` with a scalar condition."""
-    return jax.tree.map(lambda a, b: a if a is b else jnp.where(condition, a, b), yes, no)

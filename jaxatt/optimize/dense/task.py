@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import jax.numpy as jnp
 from jax import Array
 
+from jaxatt.optimize.dense.arrays import namespace
+from jaxatt.optimize.dense.called import AnyFunctions
 from jaxatt.optimize.dense.first_order import FirstOrder
-from jaxatt.optimize.dense.functions import Functions, Local
+from jaxatt.optimize.dense.functions import Local
 from jaxatt.optimize.dense.residuals import Box, Residuals, residuals
 from jaxatt.optimize.dense.state import Limits
 
@@ -24,7 +25,7 @@ class Task:
     "adam".
     """
 
-    functions: Functions
+    functions: AnyFunctions
     args: Any
     box: Box
     scale: Array
@@ -38,9 +39,9 @@ class Task:
         """The first-order minimiser, if one was asked for."""
         return FirstOrder(self.inner) if self.inner in FirstOrder.NAMES else None
 
-    def rows(self, x: Array) -> Array:
-        """Objective and constraints, stacked, (1 + q,)."""
-        return self.functions.rows(x * self.unit, self.args) * self.scale
+    def rows(self, points: Array) -> Array:
+        """Objective and constraints, stacked, (k, 1 + q), at points (k, n)."""
+        return self.functions.many(points * self.unit[None, :], self.args) * self.scale[None, :]
 
     @property
     def own_penalty(self) -> Array:
@@ -56,10 +57,11 @@ class Task:
 
     def hessian(self, x: Array, weight: Array, multipliers: Array) -> Array:
         """Second derivatives (n, n) of the Lagrangian, zero where they are not finite."""
-        shares = jnp.concatenate([weight[None], multipliers]) * self.scale
+        xp = namespace(x)
+        shares = xp.concatenate([weight[None], multipliers]) * self.scale
         hessian = self.functions.hessian(x * self.unit, self.args, shares)
         hessian = hessian * self.unit[:, None] * self.unit[None, :]
-        return jnp.nan_to_num(hessian, posinf=0.0, neginf=0.0)
+        return xp.where(xp.isfinite(hessian), hessian, 0.0)
 
     def residuals(self, at: Local, multipliers: Array, x: Array) -> Residuals:
         """First-order conditions at x with multipliers (q,), in the user's units."""

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import jax
-import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize.dense import proposals
 from jaxatt.optimize.dense.active_set import Step, newton_step
+from jaxatt.optimize.dense.arrays import certain, namespace
 from jaxatt.optimize.dense.decide import Decision
 from jaxatt.optimize.dense.look import Look
 from jaxatt.optimize.dense.state import State
@@ -22,13 +21,13 @@ _LEAST_PENALTY = 1e-2
 class _Points(NamedTuple):
     """Trial points.
 
-    points : (k, n).  reasoned : (k,) bool, those that are tried in every pass.
-
+    points : (k, n), None where a step on the first-order conditions is certain.
+    reasoned : (k,) bool, those that are tried in every pass.
     curved, uncertain : () bool, negative curvature here, perhaps negative.  newton : the step on
     the first-order conditions.  method : state of a first-order minimiser.
     """
 
-    points: Array
+    points: Array | None
     reasoned: Array
     curved: Array
     uncertain: Array
@@ -56,7 +55,11 @@ class Trial(NamedTuple):
 
 def try_out(task: Task, s: State, seen: Look, decision: Decision) -> Trial:
     """Evaluate the merit at all trial points at once and choose the lowest."""
-    at, merit = seen.at, decision.merit
+    xp, at, merit = namespace(s.x), seen.at, decision.merit
+    no = xp.asarray(False)
+    nowhere = Trial(s.x, no, no, s.radius, no, None, s.method)
+    if certain(decision.stays & ~seen.finishing):
+        return nowhere
     estimate = merit.estimate(at.rows)
     gradient = merit.gradient(at, estimate)
     fixed = proposals.held(s.x, gradient, task.box)
@@ -64,22 +67,26 @@ def try_out(task: Task, s: State, seen: Look, decision: Decision) -> Trial:
         proposed = _second_order(task, s, seen, decision, estimate, gradient, fixed)
     else:
         proposed = _first_order(task, s, decision, gradient, fixed)
+    if proposed.points is None:
+        return nowhere._replace(newton=proposed.newton)
+    rows = task.rows(proposed.points)
     value = merit.value(at.objective, at.rows)
-    rows = jax.vmap(task.rows)(proposed.points)
-    values = jax.vmap(lambda row: merit.value(row[0], row[1:]))(rows)
+    values = merit.value(rows[:, 0], rows[:, 1:])
+    # A row that is not finite may pass for one that holds: XLA's maximum drops it.
+    finite = xp.isfinite(values + xp.sum(rows, axis=1) + xp.sum(proposed.points, axis=1))
     # Directions without a reason serve only where nothing else tells a saddle.
-    counts = jnp.isfinite(values) & (proposed.reasoned | seen.finishing)
-    values = jnp.where(counts, values, jnp.inf)
-    best = jnp.argmin(values)
+    counts = finite & (proposed.reasoned | seen.finishing)
+    values = xp.where(counts, values, xp.inf)
+    best = xp.argmin(values)
     x, lowest = proposed.points[best], values[best]
-    lowered = lowest < value - 1e-15 * jnp.maximum(1.0, jnp.abs(value))
+    lowered = lowest < value - 1e-15 * xp.maximum(1.0, abs(value))
     if task.inner == "adam":
-        lowered = jnp.isfinite(lowest)
-    length = jnp.linalg.norm(x - s.x)
-    radius = jnp.where(lowered, jnp.maximum(2.0 * length, 0.1 * s.radius), 0.1 * s.radius)
-    radius = jnp.clip(radius, 1e-8 * jnp.maximum(1.0, decision.size), 1e30)
+        lowered = xp.isfinite(lowest)
+    length = xp.sqrt((x - s.x) @ (x - s.x))
+    radius = xp.where(lowered, xp.maximum(2.0 * length, 0.1 * s.radius), 0.1 * s.radius)
+    radius = xp.clip(radius, 1e-8 * xp.maximum(1.0, decision.size), 1e30)
     drop = value - lowest
-    downhill = proposed.uncertain & (drop > 1e-7 * jnp.maximum(1.0, jnp.abs(value)))
+    downhill = proposed.uncertain & (drop > 1e-7 * xp.maximum(1.0, abs(value)))
     return Trial(x, lowered, downhill, radius, proposed.curved, proposed.newton, proposed.method)
 
 
@@ -92,32 +99,34 @@ def _second_order(
     gradient: Array,
     fixed: Array,
 ) -> _Points:
-    at, merit, multipliers = seen.at, decision.merit, decision.multipliers
+    xp, at, merit, multipliers = namespace(s.x), seen.at, decision.merit, decision.multipliers
     n = s.x.shape[0]
-    in_hessian = jnp.where(decision.newton, multipliers, estimate)
+    in_hessian = xp.where(decision.newton, multipliers, estimate)
     if task.inner == "gauss-newton":
-        in_hessian = jnp.zeros_like(in_hessian)
+        in_hessian = xp.zeros_like(in_hessian)
     hessian = task.hessian(s.x, merit.weight, in_hessian)
-    binding = jnp.where(task.equal | (estimate < 0), merit.penalty, 0.0)
+    binding = xp.where(task.equal | (estimate < 0), merit.penalty, 0.0)
     full = hessian + at.jacobian.T @ (binding[:, None] * at.jacobian)
     spectrum = spectrum_of(full, ~fixed)
     lowest = spectrum.values[0]
-    steepest = jnp.max(jnp.abs(jnp.diag(full)), initial=1.0)
+    steepest = xp.max(abs(xp.diag(full)), initial=1.0)
     curved = lowest < -1e-9 * steepest
-    shift = jnp.where(curved, -1.1 * lowest, 0.0)
-    most = 1.0 / jnp.max(merit.penalty, initial=_LEAST_PENALTY)
+    shift = xp.where(curved, -1.1 * lowest, 0.0)
+    most = 1.0 / xp.max(merit.penalty, initial=_LEAST_PENALTY)
     newton = newton_step(
         s.x,
         at,
         merit.weight,
-        hessian + shift * jnp.eye(n, dtype=s.x.dtype),
+        hessian + shift * xp.eye(n, dtype=s.x.dtype),
         multipliers,
-        jnp.where(decision.newton, jnp.clip(seen.total, 1e-10, most), most),
+        xp.where(decision.newton, xp.clip(seen.total, 1e-10, most), most),
         task.box,
         task.equal,
     )
+    if certain(decision.newton):
+        return _Points(None, curved, curved, curved, newton, s.method)
     points = proposals.second_order(s.x, gradient, spectrum, fixed, newton.x, s.radius, task.box)
-    reasoned = jnp.arange(points.shape[0]) < points.shape[0] - proposals.PROBES
+    reasoned = xp.arange(points.shape[0]) < points.shape[0] - proposals.PROBES
     return _Points(points, reasoned, curved, lowest <= 1e-7 * steepest, newton, s.method)
 
 
@@ -129,5 +138,6 @@ def _first_order(
     points, method = task.first_order.propose(
         s.x, gradient, fixed, s.method, fresh, s.radius, task.box
     )
-    no = jnp.asarray(False)
-    return _Points(points, jnp.ones(points.shape[0], bool), no, no, None, method)
+    xp = namespace(s.x)
+    no = xp.asarray(False)
+    return _Points(points, xp.ones(points.shape[0], bool), no, no, None, method)
