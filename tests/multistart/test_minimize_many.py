@@ -48,18 +48,16 @@ def test_thousands_of_half_planes_degenerate_or_not(kind):
 @pytest.mark.parametrize("seed", range(3))
 def test_a_step_under_many_rows_solves_the_equations_of_those_that_bind(seed):
     rng = np.random.default_rng(seed)
-    n, q, mu = 3, 40, 10.0 ** rng.uniform(-6.0, 0.0)
+    n, q, mu = 3, 40, np.float64(10.0 ** rng.uniform(-6.0, 0.0))
     equal = np.arange(q) < 2
     jacobian, rows = rng.normal(size=(q, n)), rng.normal(size=q)
     jacobian[5] = jacobian[6]
-    at = Local(jnp.asarray(0.0), jnp.asarray(rows), jnp.asarray(rng.normal(size=n)),
-               jnp.asarray(jacobian))  # fmt: skip
+    at = Local(np.float64(0.0), rows, rng.normal(size=n), jacobian)
     root = rng.normal(size=(n, n))
     hessian, old = root @ root.T + np.eye(n), np.where(equal, 1.0, -1.0) * rng.uniform(size=q)
-    box = Box(jnp.full(n, -1e9), jnp.full(n, 1e9))
-    x, y = newton_step(jnp.zeros(n), at, jnp.asarray(1.0), jnp.asarray(hessian), jnp.asarray(old),
-                       jnp.asarray(mu), box, jnp.asarray(equal))  # fmt: skip
-    binds = equal | (np.asarray(y) < 0)
+    box, one = Box(np.full(n, -1e9), np.full(n, 1e9)), np.float64(1.0)
+    x, y = newton_step(np.zeros(n), at, one, hessian, old, mu, box, equal)
+    binds = equal | (y < 0)
     assert binds.sum() > 2
     np.testing.assert_allclose(
         hessian @ x + at.slope + jacobian.T @ y, 0.0, atol=1e-7 * (1.0 + np.abs(y).max())
@@ -71,8 +69,8 @@ def test_multipliers_that_fit_are_the_nearest_ones():
     rng = np.random.default_rng(5)
     n, q = 3, 30
     jacobian, slope, old = rng.normal(size=(q, n)), rng.normal(size=n), rng.normal(size=q)
-    at = Local(jnp.asarray(0.0), jnp.zeros(q), jnp.asarray(slope), jnp.asarray(jacobian))
-    box = Box(jnp.full(n, -np.inf), jnp.full(n, np.inf))
-    found = fit(at, jnp.asarray(old), jnp.zeros(n), box, jnp.ones(q, bool))
+    at = Local(np.float64(0.0), np.zeros(q), slope, jacobian)
+    box = Box(np.full(n, -np.inf), np.full(n, np.inf))
+    found = fit(at, old, np.zeros(n), box, np.ones(q, bool))
     nearest = old - np.linalg.pinv(jacobian.T) @ (slope + jacobian.T @ old)
     np.testing.assert_allclose(found, nearest, atol=1e-9)
