@@ -9,6 +9,7 @@ from jaxatt.environment import epoch, precession
 from jaxatt.environment.orbit_data.formats import kind_of, read_orbit_file
 from jaxatt.environment.orbit_data.j2 import Propagation, pole_of_date
 from jaxatt.environment.orbit_data.oem import read_oem
+from jaxatt.environment.orbit_data.oem_rows import check_rows
 from jaxatt.environment.orbit_data.path import OrbitDataError
 from jaxatt.environment.teme import from_teme, inertial_of_earth_fixed
 
@@ -211,6 +212,26 @@ def test_a_row_that_is_wrong_is_named_by_its_line(tmp_path, change, said):
     assert path.read_text().splitlines()[17].startswith("2025")
     with pytest.raises(OrbitDataError, match=said):
         read_oem(path)
+
+
+def test_a_state_in_xml_is_named_by_its_epoch():
+    names = ("X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT")
+    numbers = "".join(f'<{name} units="u">1.5e+0</{name}>' for name in names)
+    states = [
+        f"<stateVector><EPOCH>2025-09-08T00:0{k}:00</EPOCH>{numbers}</stateVector>"
+        for k in range(3)
+    ]
+    text = f'<oem xmlns="urn:ccsds"><segment>{"".join(states)}</segment></oem>'
+    check_rows(text)
+    for old, new, said in (
+        (states[1], states[1].replace("1.5e+0</Y>", "x</Y>"), "the state of .*:01:00: x is no num"),
+        (states[1], states[2], "the state of .*:02:00: .* follows .*:02:00"),
+        ("<Z_DOT", "<OTHER><Z_DOT", "is no XML"),
+        ("<oem", "<!DOCTYPE oem><oem", "declares entities of its own; leave them out"),
+    ):
+        assert old in text
+        with pytest.raises(OrbitDataError, match=said):
+            check_rows(text.replace(old, new))
 
 
 def test_segments_and_keywords_that_are_wrong_are_named(tmp_path):

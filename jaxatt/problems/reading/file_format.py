@@ -80,7 +80,7 @@ def scenario_faults(
         return [fault, *scenario_faults(plain, origin, formats)]
     system, objective = plain.get("system", SPACECRAFT), plain.get("objective", {})
     told = f"system = {system}"
-    if system == SPACECRAFT and "kind" in objective:
+    if system == SPACECRAFT and isinstance(objective, dict) and "kind" in objective:
         told = f"kind = {objective['kind']}"
     elsewhere = [
         ScenarioError(

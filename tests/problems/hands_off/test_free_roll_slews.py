@@ -128,6 +128,26 @@ def test_no_fixed_roll_takes_less(free):
     assert max(efforts[3:]) > 1.05 * best.l1_effort
 
 
+@pytest.mark.parametrize(
+    "target", [{"wheel_bias_rad_s": 50.0}, {"rate": "inertial"}], ids=["bias", "inertial"]
+)
+def test_the_roll_stays_free_beside_what_else_is_asked_for(free, target):
+    result = jaxatt.solve(scenarios.replace(free.scenario, _keys(target)))
+    phase, best = result.phases[0], free.phases[0]
+    assert result.reached and phase.active_intervals == best.active_intervals
+    same = result.summary()["free_roll"]["roll_deg"] == pytest.approx(
+        free.summary()["free_roll"]["roll_deg"], abs=1e-6
+    )
+    # Torques that cancel in the body move no roll; another rate at the end does.
+    assert same == ("rate" not in target)
+    if same:
+        assert phase.l1_effort == pytest.approx(best.l1_effort, rel=1e-9)
+
+
+def _keys(target):
+    return {f"target.{key}": value for key, value in target.items()}
+
+
 def test_rows_of_a_task_are_those_of_its_flight():
     task = build_slew(pointed("hypso1-90-45-15", horizon={"intervals": 12}))
     u = 0.02 * np.random.default_rng(6).normal(size=(12, task.size))

@@ -59,6 +59,17 @@ def test_the_solver_counts_what_the_roll_earns_in_the_last_interval(free):
     assert section.claimed == pytest.approx(section.energy.net, rel=2e-4)
 
 
+def test_with_a_wheel_failed_as_much_is_earned_as_without_it(free):
+    wheels = {
+        "vehicle.wheels.axes": [*np.eye(3).tolist(), [0.6, 0.48, 0.64]],
+        "vehicle.wheels.failed": ["wheel 4"],
+        "initial.wheel_speed_rad_s": [0.0] * 4,
+    }
+    phase = jaxatt.solve(scenarios.replace(free.scenario, wheels)).phases[0]
+    assert phase.reached
+    assert phase.section.energy.net == pytest.approx(free.phases[0].section.energy.net, rel=1e-6)
+
+
 def test_wheel_speeds_at_the_end_are_relative_to_the_body_at_every_roll():
     plan = tomllib.loads(scenarios.text("hypso2-orbit"))
     for name in ("printed", "tasks", "plan", "baseline", "horizon"):
