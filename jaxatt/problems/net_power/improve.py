@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +13,16 @@ from jaxatt.problems.net_power.answers import Answers, judged, phase_manoeuvre
 from jaxatt.problems.net_power.build import carried_on, options_of
 from jaxatt.problems.net_power.corrected import corrected
 from jaxatt.problems.net_power.found import Solved
-from jaxatt.problems.net_power.manoeuvre import Motion
+from jaxatt.problems.net_power.manoeuvre import Motion, WheelLimits
 from jaxatt.problems.net_power.plan.joint.assemble import Leg
 from jaxatt.problems.net_power.plan.joint.solve import JointAnswer, solve_jointly
 from jaxatt.problems.net_power.record import energy_of, with_starts_of
+from jaxatt.problems.net_power.wheels.within_limits import (
+    MOST_SEARCHES,
+    keeping_to,
+    may_bind,
+    stricter,
+)
 from jaxatt.problems.scenario import Scenario
 from jaxatt.records.phase import Phase
 from jaxatt.runtime.chunks import Report
@@ -40,9 +47,16 @@ def improved(
         return None
     if scenario.objective.terminal != "reach":
         return None
-    legs = [_leg(scenario, index, phase) for index, phase in enumerate(phases)]
-    answer = solve_jointly(legs, scenario.horizon.substeps or _SUBSTEPS, report=report)
-    again, answers = _flown(scenario, answer, phases)
+    limits = [_limits_of(answers) for answers in found]
+    for _ in range(MOST_SEARCHES + 1):
+        legs = [_leg(scenario, index, phase) for index, phase in enumerate(phases)]
+        legs = _within(legs, limits)
+        limits = [leg.manoeuvre.limits for leg in legs]
+        answer = solve_jointly(legs, scenario.horizon.substeps or _SUBSTEPS, report=report)
+        again, answers, stricter_ones = _flown(scenario, answer, phases, limits)
+        if not any(stricter_ones):
+            break
+        limits = [new or old for new, old in zip(stricter_ones, limits, strict=True)]
     before = energy_of(phases)
     gain = energy_of(again).net - before.net
     missed = [sum(not phase.reached for phase in some) for some in (again, phases)]
@@ -79,17 +93,38 @@ def _leg(scenario: Scenario, index: int, phase: Phase) -> Leg:
     )
 
 
+def _limits_of(answers: Any) -> WheelLimits | None:
+    """Limits that a task's answer was found with."""
+    return None if answers is None or answers.solved is None else answers.solved.limits
+
+
+def _within(legs: Sequence[Leg], limits: Sequence[WheelLimits | None]) -> list[Leg]:
+    """The tasks with the limits of their wheels, all of them or, where none binds, none."""
+    if not any(limits):
+        return list(legs)
+    return [
+        replace(leg, manoeuvre=keeping_to(leg.manoeuvre, own))
+        for leg, own in zip(legs, limits, strict=True)
+    ]
+
+
 def _flown(
-    scenario: Scenario, answer: JointAnswer, before: Sequence[Phase]
-) -> tuple[list[Phase], list[Answers]]:
+    scenario: Scenario,
+    answer: JointAnswer,
+    before: Sequence[Phase],
+    limits: Sequence[WheelLimits | None],
+) -> tuple[list[Phase], list[Answers], list[WheelLimits | None]]:
     """Fly all tasks again, each from the flown end of the one before.
 
     The torques are corrected for where that is: tiny rates that are left turn far until the end.
+    Limits are those of the search; returned are stricter ones for the tasks that break them.
     """
+    watched = may_bind(options_of(scenario).satellite.craft.wheels)
     start = PhaseStart()
     phases: list[Phase] = []
     answers: list[Answers] = []
-    for torque, dipole, old in zip(answer.torque, answer.dipole, before, strict=True):
+    broken: list[WheelLimits | None] = []
+    for torque, dipole, old, kept in zip(answer.torque, answer.dipole, before, limits, strict=True):
         solved = None
         if torque is not None:
             torque = corrected(phase_manoeuvre(scenario, start), torque, dipole)
@@ -101,9 +136,14 @@ def _flown(
                 np.array([answer.violation]),
                 np.array([answer.stationarity]),
                 np.array([answer.iterations]),
+                limits=kept,
             )
+        asked = None
+        if watched and solved is not None:
+            asked, _ = stricter(replace(phase_manoeuvre(scenario, start), limits=kept), solved)
+        broken.append(asked)
         answers.append(Answers(solved))
         phase, end = judged(scenario, start, answers[-1])
         phases.append(with_starts_of(phase, old))
         start = start.following(phase, end)
-    return phases, answers
+    return phases, answers, broken

@@ -82,7 +82,7 @@ def wheels_task(
     total = rotation(q) @ (arms.inertia @ omega + arms.axes @ (arms.wheel_inertia * spin))
     steps = substeps or manoeuvre.substeps or 1
     form = _form(manoeuvre, arms, float(np.linalg.norm(total)), steps)
-    slowest, fastest, share = _ranges(manoeuvre, spin)
+    slowest, fastest, share = wheel_ranges(manoeuvre, spin)
     axial = arms.wheel_inertia * (spin + arms.axes.T @ omega)
     start = [q, arms.coordinates(axial, form)]
     power = _Power.of(satellite, craft, manoeuvre, arms, spin)
@@ -245,7 +245,7 @@ def _form(manoeuvre: Manoeuvre, arms: _Arms, total: float, substeps: int) -> Whe
     )
 
 
-def _ranges(manoeuvre: Manoeuvre, spin: Floats) -> tuple[Floats, Floats, Floats]:
+def wheel_ranges(manoeuvre: Manoeuvre, spin: Floats) -> tuple[Floats, Floats, Floats]:
     """Lowest and highest speed of each wheel [rad/s], and the share of its motor's torque, (n,)."""
     limits = manoeuvre.limits
     if limits is None:

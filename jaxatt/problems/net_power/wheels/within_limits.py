@@ -20,9 +20,10 @@ from jaxatt.problems.net_power.judge import judge_flight
 from jaxatt.problems.net_power.manoeuvre import Manoeuvre, WheelLimits
 from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import overstay, speed_excess
+from jaxatt.spacecraft.wheels import ReactionWheels
 
 Search = Callable[[Sequence[Manoeuvre]], Sequence[Solved]]
-_MOST_SEARCHES = 4
+MOST_SEARCHES = 4
 """With limits, each stricter than the one before."""
 _TIGHTER = 1.2
 
@@ -33,19 +34,18 @@ def within_limits(manoeuvres: Sequence[Manoeuvre], search: Search) -> tuple[Solv
     search : manoeuvres, some of those given or with other limits -> answers to each.
     """
     found = list(search(manoeuvres))
-    wheels = manoeuvres[0].satellite.craft.wheels
-    if wheels.motors.ideal and not wheels.has_speed_limits:
+    if not may_bind(manoeuvres[0].satellite.craft.wheels):
         return tuple(found)
     asked, kept = list(enumerate(manoeuvres)), dict(enumerate(found))
-    for attempt in range(_MOST_SEARCHES + 1):
+    for attempt in range(MOST_SEARCHES + 1):
         broken = []
         for k, manoeuvre in asked:
-            limits, reached = _stricter(manoeuvre, found[k])
+            limits, reached = stricter(manoeuvre, found[k])
             if reached or limits is None:
                 kept[k] = found[k]
             if limits is not None:
                 broken.append((k, replace(manoeuvre, limits=limits)))
-        if not broken or attempt == _MOST_SEARCHES:
+        if not broken or attempt == MOST_SEARCHES:
             break
         asked = broken
         again = search([manoeuvre for _, manoeuvre in asked])
@@ -54,13 +54,18 @@ def within_limits(manoeuvres: Sequence[Manoeuvre], search: Search) -> tuple[Solv
     return tuple(kept[k] for k in range(len(found)))
 
 
+def may_bind(wheels: ReactionWheels) -> bool:
+    """Whether there are limits that the programme does not have from the beginning."""
+    return wheels.has_speed_limits or not wheels.motors.ideal
+
+
 def keeping_to(manoeuvre: Manoeuvre, limits: WheelLimits | None = None) -> Manoeuvre:
     """The manoeuvre with limits for its search; by default those of the wheels as they are."""
     nothing = np.zeros(manoeuvre.satellite.craft.wheels.count)
     return replace(manoeuvre, limits=limits or WheelLimits(nothing, nothing))
 
 
-def _stricter(manoeuvre: Manoeuvre, solved: Solved) -> tuple[WheelLimits | None, bool]:
+def stricter(manoeuvre: Manoeuvre, solved: Solved) -> tuple[WheelLimits | None, bool]:
     """Limits to search with again, None where the best answer keeps to them; whether any start
     reached."""
     wheels = manoeuvre.satellite.craft.wheels

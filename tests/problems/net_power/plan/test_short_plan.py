@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -23,10 +24,14 @@ from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.net_power import improve
 from jaxatt.problems.net_power.answers import phase_manoeuvre, searched
 from jaxatt.problems.net_power.build import options_of
+from jaxatt.problems.net_power.corrected import corrected
+from jaxatt.problems.net_power.plan.joint.assemble import assembled
+from jaxatt.problems.net_power.plan.joint.programme import joint_programme
 from jaxatt.problems.net_power.plan.joint.solve import JointAnswer
 from jaxatt.problems.net_power.pose import Pose, angle_between
 from jaxatt.problems.net_power.record import energy_of, net_power
 from jaxatt.problems.net_power.wheels.from_law import also_from_law, held_torque
+from jaxatt.problems.net_power.wheels.within_limits import keeping_to
 from jaxatt.problems.surroundings import elements_of, motion_of
 from jaxatt.report.export.export import export
 from jaxatt.report.tables import result_table
@@ -188,8 +193,10 @@ def test_the_sequence_is_kept_where_the_joint_answer_is_worse(sequence, monkeypa
     if fault == "misses":
         given = tuple(None if torque is None else 0.0 * torque for torque in given)
     else:
-        solved = searched(sequence.scenario, PhaseStart(), None).solved
-        given = (solved.torque[np.argmin(solved.claimed)], *given[1:])
+        to_and_fro = np.zeros_like(given[0])
+        to_and_fro[8:20] = 3e-4 * np.where(np.arange(12) % 2, 1.0, -1.0)[:, None]
+        manoeuvre = phase_manoeuvre(sequence.scenario, PhaseStart())
+        given = (corrected(manoeuvre, given[0] + to_and_fro), *given[1:])
     monkeypatch.setattr(improve, "corrected", lambda manoeuvre, torque, dipole: torque)
     answer = JointAnswer(given, (None,) * 4, Status.CONVERGED, 0.0, 0.0, 7)
     monkeypatch.setattr(improve, "solve_jointly", lambda *_, **__: answer)
@@ -203,6 +210,49 @@ def test_the_sequence_is_kept_where_the_joint_answer_is_worse(sequence, monkeypa
     else:
         assert "would not" not in joint["words"]
         assert joint["gain_J"] < -1e-3
+
+
+LIMITED = {"plan.joint": True, "vehicle.wheels.speed_limit_rad_s": 50.0}
+"""[rad/s] The second harvest of the sequence, which knows no limit, goes beyond it."""
+
+
+def test_an_answer_of_all_tasks_that_breaks_a_limit_is_searched_again_within_it(
+    sequence, monkeypatch
+):
+    assert np.abs(sequence.phases[2].series["omega_bw"]).max() > 60.0
+    asked = []
+
+    def solve(legs, *_, **__):
+        asked.append([leg.manoeuvre.limits for leg in legs])
+        given = torques(sequence)
+        return JointAnswer(given, (None,) * 4, Status.CONVERGED, 0.0, 0.0, 7)
+
+    monkeypatch.setattr(improve, "corrected", lambda manoeuvre, torque, dipole: torque)
+    monkeypatch.setattr(improve, "solve_jointly", solve)
+    monkeypatch.setattr(improve, "MOST_SEARCHES", 2)
+    scenario = scenarios.from_mapping(short_plan(LIMITED))
+    kept = improve.improved(scenario, sequence.phases, [None] * 4, None)
+    assert not kept.extra["joint"]["kept"]
+    first, second, third = asked
+    assert first == [None] * 4
+    # All have the limits, as they are; stricter are they only for the harvest that broke them.
+    assert all(limits is not None and not limits.slower.any() for limits in second)
+    assert third[2].slower.max() > 0.2
+    assert not any(third[k].slower.any() for k in (0, 1, 3))
+
+
+def test_across_a_task_the_wheels_are_held_to_their_speeds_where_it_ends(sequence):
+    scenario = scenarios.from_mapping(short_plan(LIMITED))
+    legs = [improve._leg(scenario, k, phase) for k, phase in enumerate(sequence.phases)]
+    limits = keeping_to(legs[0].manoeuvre).limits
+    plan = assembled(improve._within(legs, [limits] * 4), 4)
+    program, p = joint_programme(plan.form), plan.parameters
+    k = plan.intervals[1].start
+    stage = jax.tree.map(lambda leaf: leaf[k], p.stages)
+    rows = jax.jit(program.inequality)(plan.states[k], plan.controls[k], stage, p)
+    ended = sequence.phases[1].series["omega_bw"][-1] / 50.0
+    expected = np.concatenate([1.0 - ended, 1.0 + ended])
+    np.testing.assert_allclose(rows[-6:], expected, atol=1e-6)
 
 
 def test_each_date_is_the_plan_of_that_date(sequence):

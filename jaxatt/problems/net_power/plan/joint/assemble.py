@@ -21,7 +21,7 @@ from jaxatt.problems.net_power.wheels.from_flight import INSIDE, dipoles_of, sta
 from jaxatt.problems.net_power.wheels.host import continuous
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.starts import with_powers
-from jaxatt.problems.net_power.wheels.task import WheelsTask, wheels_task
+from jaxatt.problems.net_power.wheels.task import WheelsTask, wheel_ranges, wheels_task
 from jaxatt.runtime.arrays import Floats
 
 _ROOM = 1e-3
@@ -144,6 +144,7 @@ def _intervals(task: WheelsTask, form: WheelsForm) -> JointStage:
         interval=jax.tree.map(jnp.asarray, p.stages),
         across=_repeated(nothing_crossed(form), count),
         load=jnp.full(count, float(p.load)),
+        **_repeated(_limits(task.manoeuvre), count),
     )
 
 
@@ -166,7 +167,14 @@ def _across(
         interval=idle._replace(shone=jnp.zeros(1)),
         across=_repeated(crossing(p, form, leg.manoeuvre, pose, end), 1),
         load=jnp.zeros(1),
+        **_repeated(_limits(leg.manoeuvre), 1),
     )
+
+
+def _limits(manoeuvre: Manoeuvre) -> dict[str, Floats]:
+    """Limits of the wheels, which depend on where their speeds begin."""
+    lower, upper, share = wheel_ranges(manoeuvre, np.asarray(manoeuvre.start.omega_bw, float))
+    return {"speed_lower": lower, "speed_upper": upper, "motor_limit": share}
 
 
 def _repeated(tree: Any, count: int) -> Any:

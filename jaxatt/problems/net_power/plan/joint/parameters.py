@@ -39,12 +39,16 @@ class JointStage(NamedTuple):
 
     crossing : () 1 for a task, 0 for an interval.  interval, across : what each of them needs; the
     other one's is there, but not read.  load : () [W], of the interval.
+    speed_lower, speed_upper : (n,) [rad/s] and motor_limit : (n,), as in `WheelsParameters`.
     """
 
     crossing: Array
     interval: WheelStage
     across: Crossing
     load: Array
+    speed_lower: Array
+    speed_upper: Array
+    motor_limit: Array
 
 
 @jax.tree_util.register_dataclass

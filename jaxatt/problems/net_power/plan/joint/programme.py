@@ -22,7 +22,11 @@ from jaxatt.problems.net_power.wheels import coordinates as at
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.programme import wheels_programme
+from jaxatt.problems.net_power.wheels.wheel_limits import limit_rows
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row
+
+_MOTOR_ROWS = 8
+"""Of a wheel in an interval: both limits, whole and falling, at both ends."""
 
 
 @functools.cache
@@ -31,10 +35,17 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
     base = wheels_programme(form)
     k, n, size = form.stored, form.error_size, form.controls
     limited = base.inequality is not None
+    wheels_limited = form.speed_limited or form.motor_limited
     first = 3 + k  # of the total momentum among the errors
 
     def own(stage: JointStage, p: JointParameters) -> WheelsParameters:
-        return replace(p.wheels, load=stage.load)
+        return replace(
+            p.wheels,
+            load=stage.load,
+            speed_lower=stage.speed_lower,
+            speed_upper=stage.speed_upper,
+            motor_limit=stage.motor_limit,
+        )
 
     def chosen(stage: JointStage, task: Any, interval: Any) -> Any:
         return jax.tree.map(lambda a, b: jnp.where(stage.crossing > 0.0, a, b), task, interval)
@@ -53,9 +64,12 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
         used = jnp.sum(controls.powers) + jnp.sum(controls.dipoles)
         return stage.interval.paid / wheels.energy_scale * (effort + wheels.power_scale * used)
 
+    def after(stored: Array, stage: JointStage) -> Array:
+        return at.product(stage.across.mapping, stored) + stage.across.offset
+
     def crossed(x: Array, stage: JointStage, p: JointParameters) -> Array:
         across = stage.across
-        y = at.product(across.mapping, at.stored(x, form)) + across.offset
+        y = after(at.stored(x, form), stage)
         parts = [across.end, y]
         if form.torqued:
             carried = at.product(p.wheels.to_rate, y) + across.rate
@@ -70,16 +84,27 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
         found: tuple[Array, Array] = chosen(stage, task, interval)
         return found
 
-    def margins(x: Array, u: Array, p: JointParameters) -> Array:
+    def wheel_margins(stored: Array, stage: JointStage, p: JointParameters) -> Array:
+        """Distances of the wheels' speeds from their limits at the end of a task; what its motors
+        have to give is decided by nothing."""
+        speeds = at.own_speeds(after(stored, stage), at.parts(stage.across.rate), p.wheels)
+        speeds_alone = replace(form, motor_limited=False)
+        still = jnp.zeros(form.wheels)
+        rows = limit_rows(jnp.stack([speeds, speeds]), still, own(stage, p), speeds_alone)
+        return jnp.concatenate([*rows, jnp.ones(_MOTOR_ROWS * form.wheels * form.motor_limited)])
+
+    def margins(x: Array, u: Array, stage: JointStage, p: JointParameters) -> Array:
         powers = at.split(u, form).powers
         rows = [jnp.repeat(powers, 2)]
         if form.charge:
             rows.append((x[-1] - p.wheels.floor)[None])
+        if wheels_limited:
+            rows.append(wheel_margins(at.stored(x, form), stage, p))
         return jnp.concatenate(rows)
 
     def inequality(x: Array, u: Array, stage: JointStage, p: JointParameters) -> Array:
         interval = base.inequalities(x, u, stage.interval, own(stage, p))
-        return jnp.asarray(chosen(stage, margins(x, u, p), interval))
+        return jnp.asarray(chosen(stage, margins(x, u, stage, p), interval))
 
     def equality(x: Array, u: Array, stage: JointStage, p: JointParameters) -> Array:
         across = stage.across
@@ -106,7 +131,11 @@ def joint_programme(form: WheelsForm) -> OptimalControlProgram:
             rows = jax.nn.one_hot(powers, n + size, dtype=x.dtype)
             if form.charge:
                 rows = jnp.concatenate([rows, jax.nn.one_hot(n - 1, n + size, dtype=x.dtype)[None]])
-        return gap, dynamics, cost, margins(x, u, p) if limited else None, rows
+            if wheels_limited:
+                by_stored = jax.jacfwd(wheel_margins)(at.stored(x, form), stage, p)
+                more = jnp.zeros((len(by_stored), n + size), x.dtype).at[:, 3:first].set(by_stored)
+                rows = jnp.concatenate([rows, more])
+        return gap, dynamics, cost, margins(x, u, stage, p) if limited else None, rows
 
     def linearisation(
         x: Array, u: Array, x_next: Array, stage: JointStage, p: JointParameters
