@@ -1,4 +1,4 @@
-"""IPOPT on the same starts on all cores: one process a core, each with its own share."""
+"""IPOPT or FATROP on the same starts on all cores: one process a core, each with its own share."""
 
 from __future__ import annotations
 
@@ -13,7 +13,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.casadi_reorientation import Optimum, Solver
+from benchmarks.casadi_reorientation_fatrop import FatropSolver
 from benchmarks.reorientation_numbers import Start, Turn
+
+METHODS = {"IPOPT": Solver, "FATROP": FatropSolver}
 
 _PATIENCE_S = 600.0
 
@@ -26,19 +29,22 @@ class Together:
     wall_s: float
 
 
-def solve_together(turn: Turn, rk4: bool, starts: list[Start], folder: Path) -> Together:
+def solve_together(
+    turn: Turn, rk4: bool, starts: list[Start], folder: Path, method: str = "IPOPT"
+) -> Together:
     """Solve all starts on all cores; building and a first solve each do not count.
 
     folder : where the compiled program is kept; built here once, then used by every process.
+    method : one of `METHODS`.
     """
     cores = sorted(os.sched_getaffinity(0))
-    Solver(turn, rk4, folder)
+    METHODS[method](turn, rk4, folder)
     context = multiprocessing.get_context("spawn")
     barrier, answers = context.Barrier(len(cores)), context.Queue()
     workers = [
         context.Process(
             target=_work,
-            args=(core, turn, rk4, starts[k :: len(cores)], folder, barrier, answers),
+            args=(core, turn, rk4, starts[k :: len(cores)], folder, method, barrier, answers),
         )
         for k, core in enumerate(cores)
     ]
@@ -59,11 +65,12 @@ def _work(
     rk4: bool,
     starts: list[Start],
     folder: Path,
+    method: str,
     barrier: Barrier,
     answers: Any,
 ) -> None:
     os.sched_setaffinity(0, {core})
-    solver = Solver(turn, rk4, folder)
+    solver = METHODS[method](turn, rk4, folder)
     if starts:
         solver(starts[0])
     barrier.wait(_PATIENCE_S)

@@ -37,3 +37,32 @@ def batch_last(function: Callable[..., Any]) -> Callable[..., Any]:
         return batched(*leaves)
 
     return call
+
+
+def batch_in_last_axis(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a function of arrays that may all have one more axis behind their own, a batch.
+
+    `jax.vmap` then calls it once, with the batch there, in place of tracing it anew: its own rules
+    put the axis first inside every loop.
+    """
+
+    def call(*args: Any) -> Any:
+        leaves, tree = jax.tree.flatten(args)
+
+        def flat(*leaves: Array) -> Any:
+            return function(*jax.tree.unflatten(tree, leaves))
+
+        batched = custom_vmap(flat)
+
+        @batched.def_vmap
+        def _(size: int, moved: list[bool], *leaves: Array) -> Any:
+            last = [
+                jnp.moveaxis(x, 0, -1) if m else jnp.broadcast_to(x[..., None], (*x.shape, size))
+                for x, m in zip(leaves, moved, strict=True)
+            ]
+            first = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), flat(*last))
+            return first, jax.tree.map(lambda _: True, first)
+
+        return batched(*leaves)
+
+    return call

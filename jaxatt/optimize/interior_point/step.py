@@ -6,11 +6,12 @@ from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
+from jaxatt.optimize.batch_last import batch_in_last_axis
 from jaxatt.optimize.interior_point.crossover import Pairs
 from jaxatt.optimize.interior_point.model import Bounded, Model
-from jaxatt.optimize.riccati.recursion import StageModel, backward_step, eliminated
+from jaxatt.optimize.interior_point.recursion import Stages, solved
 
 _LEAST_PIVOT = 1e-11
 
@@ -67,7 +68,6 @@ def newton_step(
     move far for a good step, and have no curvature that could be missing.
     """
     count, n, width = model.dynamics.shape
-    size = width - n
     dtype = model.gap.dtype
     stiffness, intercept = pairs
     # Excess of the inequalities over their slacks; those of the controls' limits are exact.
@@ -93,42 +93,13 @@ def newton_step(
     pull = pull + jnp.sum(model.final_slope * at_end[:, None], axis=0)
     end_value = jnp.concatenate([last, pull[:, None]], axis=1)
     curved = jnp.ones(width, dtype).at[n - free_start - integrals : n - free_start].set(0.0)
-    free, forced, nothing = jnp.ones(size, dtype), jnp.zeros(size, dtype), jnp.zeros((), dtype)
-
-    def backwards(
-        carry: tuple[Array, Array], inputs: tuple[Array, ...]
-    ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-        value, least = carry
-        following = value
-        dynamics, hessian, diagonal, gradient, gap = inputs
-        ahead = value[:, n] + jnp.sum(value[:, :n] * gap[None], axis=1)
-        value = jnp.concatenate([value[:, :n], ahead[:, None]], axis=1)
-        shifted = hessian + (diagonal + shift * curved)[:, None] * jnp.eye(width, dtype=dtype)
-        stage = StageModel(dynamics, shifted, gradient)
-        policy = backward_step(value, stage, free, forced, nothing)
-        return (policy.value, jnp.minimum(least, policy.pivot)), (policy.law, following)
-
-    inputs = (model.dynamics, hessian, diagonal, gradient, model.gap)
-    infinite = jnp.asarray(jnp.inf, dtype)
-    (value, least), (laws, valued) = lax.scan(
-        backwards, (end_value, infinite), inputs, reverse=True
-    )
-    begin = jnp.zeros(n, dtype)
-    if free_start:
-        left = eliminated(value[:, :n], value[:, n] + model.costate, n - free_start)
-        begin = jnp.concatenate([begin[free_start:], left.law[:, -1]])
-        least = jnp.minimum(least, left.pivot)
-
-    def forwards(x: Array, inputs: tuple[Array, Array, Array]) -> tuple[Array, tuple[Array, Array]]:
-        dynamics, law, gap = inputs
-        u = law[:, n] + jnp.sum(law[:, :n] * x[None], axis=1)
-        ahead = jnp.sum(dynamics * jnp.concatenate([x, u])[None], axis=1) + gap
-        return ahead, (x, u)
-
-    end, (x, u) = lax.scan(forwards, begin, (model.dynamics, laws, model.gap))
+    curving = hessian + (diagonal + shift * curved)[..., None] * jnp.eye(width, dtype=dtype)[None]
+    stages = Stages(model.dynamics, curving, gradient, model.gap)
+    x, end, u, costates, least = batch_in_last_axis(
+        lambda stages, value, costate: solved(stages, value, costate, free_start)
+    )(stages, end_value, model.costate)
     moved = jnp.concatenate([x, u], axis=1)
-    ahead = jnp.concatenate([x[1:], end[None]])
-    costates = model.costates + valued[..., n] + times(valued[..., :n], ahead)
+    costates = model.costates + costates
     slack_step = Bounded(
         times(model.path_slope, moved) + path_excess,
         times(model.final_slope, end) + final_excess,

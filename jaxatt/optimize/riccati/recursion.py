@@ -73,20 +73,23 @@ class Eliminated(NamedTuple):
 
 
 def eliminated(hessian: Array, gradient: Array, first: int) -> Eliminated:
-    """Minimise a quadratic model (p, p), (p,) over its variables from number `first` on."""
+    """Minimise a quadratic model (p, p), (p,) over its variables from number `first` on.
+
+    Both may have further axes behind these, of a batch.
+    """
     least, rows = jnp.asarray(jnp.inf, gradient.dtype), []
     for k in range(gradient.shape[0] - 1, first - 1, -1):
         pivot, column = hessian[k, k], hessian[:k, k]
         least = jnp.minimum(least, pivot)
-        row, rest = hessian[k, :k] / pivot, gradient[k] / pivot
+        row, rest = hessian[k, :k] / pivot[None], gradient[k] / pivot
         rows.append((row, rest))
         hessian = hessian[:k, :k] - column[:, None] * row[None]
-        gradient = gradient[:k] - column * rest
+        gradient = gradient[:k] - column * rest[None]
     law: list[Array] = []
     for row, rest in reversed(rows):
         found = -jnp.concatenate([row[:first], rest[None]])
         for j, other in enumerate(law):
-            found = found - row[first + j] * other
+            found = found - row[first + j][None] * other
         law.append(found)
     return Eliminated(hessian, gradient, jnp.stack(law), least)
 
