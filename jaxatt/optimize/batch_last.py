@@ -18,25 +18,12 @@ def batch_last(function: Callable[..., Any]) -> Callable[..., Any]:
     from, while products of large matrices around them want the axis first.
     """
 
-    def call(*args: Any) -> Any:
-        leaves, tree = jax.tree.flatten(args)
+    def rule(flat: Callable[..., Any], size: int, moved: list[bool], leaves: list[Array]) -> Any:
+        last = [jnp.moveaxis(x, 0, -1) if m else x for x, m in zip(leaves, moved, strict=True)]
+        axes = [-1 if m else None for m in moved]
+        return jax.vmap(flat, in_axes=axes, out_axes=-1)(*last)
 
-        def flat(*leaves: Array) -> Any:
-            return function(*jax.tree.unflatten(tree, leaves))
-
-        batched = custom_vmap(flat)
-
-        @batched.def_vmap
-        def _(size: int, moved: list[bool], *leaves: Array) -> Any:
-            last = [jnp.moveaxis(x, 0, -1) if m else x for x, m in zip(leaves, moved, strict=True)]
-            axes = [-1 if m else None for m in moved]
-            found = jax.vmap(flat, in_axes=axes, out_axes=-1)(*last)
-            first = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), found)
-            return first, jax.tree.map(lambda _: True, first)
-
-        return batched(*leaves)
-
-    return call
+    return _with_rule(function, rule)
 
 
 def batch_in_last_axis(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -46,6 +33,19 @@ def batch_in_last_axis(function: Callable[..., Any]) -> Callable[..., Any]:
     put the axis first inside every loop.
     """
 
+    def rule(flat: Callable[..., Any], size: int, moved: list[bool], leaves: list[Array]) -> Any:
+        last = [
+            jnp.moveaxis(x, 0, -1) if m else jnp.broadcast_to(x[..., None], (*x.shape, size))
+            for x, m in zip(leaves, moved, strict=True)
+        ]
+        return flat(*last)
+
+    return _with_rule(function, rule)
+
+
+def _with_rule(function: Callable[..., Any], rule: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap a function so that `jax.vmap` calls a rule, which gives results with the batch last."""
+
     def call(*args: Any) -> Any:
         leaves, tree = jax.tree.flatten(args)
 
@@ -56,11 +56,8 @@ def batch_in_last_axis(function: Callable[..., Any]) -> Callable[..., Any]:
 
         @batched.def_vmap
         def _(size: int, moved: list[bool], *leaves: Array) -> Any:
-            last = [
-                jnp.moveaxis(x, 0, -1) if m else jnp.broadcast_to(x[..., None], (*x.shape, size))
-                for x, m in zip(leaves, moved, strict=True)
-            ]
-            first = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), flat(*last))
+            last = rule(flat, size, moved, leaves)
+            first = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), last)
             return first, jax.tree.map(lambda _: True, first)
 
         return batched(*leaves)

@@ -93,7 +93,8 @@ def newton_step(
     pull = pull + jnp.sum(model.final_slope * at_end[:, None], axis=0)
     end_value = jnp.concatenate([last, pull[:, None]], axis=1)
     curved = jnp.ones(width, dtype).at[n - free_start - integrals : n - free_start].set(0.0)
-    curving = hessian + (diagonal + shift * curved)[..., None] * jnp.eye(width, dtype=dtype)[None]
+    shifted = diagonal + (shift * curved)[None]
+    curving = hessian + shifted[..., None] * jnp.eye(width, dtype=dtype)[None]
     stages = Stages(model.dynamics, curving, gradient, model.gap)
     x, end, u, costates, least = batch_in_last_axis(
         lambda stages, value, costate: solved(stages, value, costate, free_start)
