@@ -15,7 +15,8 @@ def markdown(report: Mapping[str, Any]) -> str:
     return "\n\n".join(part for part in parts if part)
 
 
-def _grid(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+def grid(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table with a heading."""
     names = list(head)
     lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
     return "\n".join([*lines, *("| " + " | ".join(row) + " |" for row in rows)])
@@ -43,7 +44,7 @@ def _own(report: Mapping[str, Any]) -> str:
         for row in report["jaxatt"]
     ]
     head = ("jaxatt", "batch", "compile [s]", "run [ms]", "a second", "useful", "of peak")
-    return _grid(head, rows)
+    return grid(head, rows)
 
 
 def _others(report: Mapping[str, Any]) -> str:
@@ -64,7 +65,7 @@ def _others(report: Mapping[str, Any]) -> str:
         *("CasADi", "starts", "build [s]", "run [ms]", "CPU a start [ms]", "useful"),
         *("useful a second", "memory [MiB]"),
     )
-    return _grid(head, rows)
+    return grid(head, rows)
 
 
 def _percent(share: float | None) -> str:
@@ -161,4 +162,4 @@ def _ratios(report: Mapping[str, Any]) -> str:
             ("the same from the cache", f"{cached['wall_s']:.1f} s", ""),
             ("its memory", f"{cold['memory_MiB']:.0f} MiB", ""),
         ]
-    return _grid(("what", "found", "goal"), rows)
+    return grid(("what", "found", "goal"), rows)
