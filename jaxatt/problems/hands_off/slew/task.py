@@ -35,6 +35,7 @@ from jaxatt.problems.manoeuvre import (
 )
 from jaxatt.problems.motor_torques import motor_excess
 from jaxatt.problems.pointing.case import FREE, Pointing
+from jaxatt.problems.pointing.spare_cones import with_spare_cones
 from jaxatt.problems.pointing.watch import ObservedPath, PathMonitor
 from jaxatt.problems.verdict import Verdict
 from jaxatt.problems.wheel_speeds import overstay, speed_excess, speed_range
@@ -180,7 +181,9 @@ class SlewTask(SparseTask):
         other.system = slew_system(other.form)
         if constraint_margin is not None:
             path = self.pointing.path(self.path_monitor.at_nodes(self.intervals), constraint_margin)
-            plant = replace(plant, pointing=path)
+            plant = replace(
+                plant, pointing=path if self.form.has_thrusters else with_spare_cones(path)
+            )
         other.arguments = replace(self.arguments, plant=plant)
         return other
 
