@@ -54,6 +54,9 @@ POLISH = Schedule(
 )
 """Least effort on a frozen support, to the full tolerance."""
 
+STAGED = replace(POLISH, penalty=1e2)
+"""The same stage by stage: along heavy rows, what they leave free (a roll) moves in tiny steps."""
+
 LEAST = Schedule(smoothing_start=0.1, smoothing_factor=0.45, max_iterations=60)
 """The same by the primal-dual method."""
 
@@ -268,7 +271,7 @@ def spending(task: SparseTask, method: Method, most: int | None = None) -> tuple
         return schedule if most is None else replace(schedule, max_iterations=most)
 
     if method.stages_for(task):
-        return RiccatiLagrangian(up_to(POLISH)), "stages"
+        return RiccatiLagrangian(up_to(STAGED)), "stages"
     if method.spends_least_for(task):
         return LeastEffort(up_to(LEAST)), "effort"
     if method.decides == "l1":
