@@ -14,6 +14,8 @@ from jaxatt.attitude import quaternion
 from jaxatt.attitude.free_roll import across, roll_angle
 from jaxatt.attitude.host_turns import product, turned_by
 from jaxatt.problems.hands_off.build import build_slew
+from jaxatt.problems.hands_off.search.enumeration import try_supports
+from jaxatt.problems.hands_off.search.polish import SETTLED, Method
 from jaxatt.problems.hands_off.slew.model import fly_nodes, terminal_rows
 from jaxatt.problems.hands_off.slew.pulse_equations import pulse_equations
 from jaxatt.problems.hands_off.slew.response import response_rows, slew_response
@@ -109,6 +111,32 @@ def test_the_answer_points_the_axis_and_says_its_roll(free):
     near = target.facing(free.scenario.initial.q_ob).q_ob
     assert told["roll_deg"] == pytest.approx(np.rad2deg(float(roll_angle(near, AXIS, end))))
     np.testing.assert_allclose(told["q_ob"], end)
+
+
+def test_the_support_of_an_answer_is_found_again_from_rest(free):
+    # As certificates do it; the roll, too, has to settle.
+    task = build_slew(free.scenario).sharing_programs()
+    pairs = np.array([[[0, 0], [19, 0]], [[3, 0], [12, 0]]])
+    u, residual, _ = try_supports(task, pairs, 1.0, Method("l0", rows=12))
+    assert (residual <= SETTLED).all()
+    effort = task.l1_effort(task.to_controls(u))
+    assert free.phases[0].l1_effort == pytest.approx(effort[0], rel=0.1)
+    assert free.phases[0].l1_effort < effort.min() < effort[1]
+
+
+@pytest.mark.slow
+def test_a_roll_moves_until_a_cone_is_grazed(free):
+    axis = np.array([0.0, 0.0, 1.0])
+    path = np.asarray(quaternion.rotate(free.phases[0].series["q_ob"][:21], axis))
+    cone = {"name": "sun", "boresight": axis.tolist(), "half_angle_deg": 3.0}
+    cone["direction_orbit"] = path[10].tolist()
+    document = {**free.scenario.document, "keep_out": [cone]}
+    beside = jaxatt.solve(scenarios.from_mapping(document))
+    found, way = beside.phases[0], free.phases[0]
+    assert found.reached and found.active_intervals == way.active_intervals
+    assert way.l1_effort < found.l1_effort < 1.005 * way.l1_effort
+    # What is left to the cone is the allowance for the way between two nodes.
+    assert 3.0 - 1e-5 <= beside.summary()["pointing"][0]["nearest_deg"] < 3.1
 
 
 def test_no_fixed_roll_takes_less(free):

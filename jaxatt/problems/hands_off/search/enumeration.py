@@ -23,6 +23,8 @@ from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Flags, Floats
 
 _FROM_REST = Reweighting(deciding=0, settling=10)
+_WITH_ROLL = Reweighting(deciding=0, settling=24, settled_smoothing=0.03)
+"""The same where a roll has to settle; with less smoothing it still creeps after many steps."""
 _PER_CALL = 4096
 _MOST_PAIRS = 20_000
 _RELATIVE_TIE = 1e-9
@@ -127,7 +129,8 @@ def try_supports(
     free = masks_of(task, groups) * np.asarray(task.arguments.free)[None]
     first = np.zeros_like(free) if u is None else u * free
     lanes = broadcast_lanes(first, free, np.full(task.rows, np.inf), np.asarray(sign))
-    found = reweight(task, lanes, method, _FROM_REST)
+    settings = _WITH_ROLL if task.leaves_roll_free else _FROM_REST
+    found = reweight(task, lanes, method, settings)
     residual = np.nan_to_num(np.asarray(found.residual), nan=np.inf)
     return np.asarray(found.u), residual, np.asarray(found.saturated)
 
