@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import jax
+from jax.stages import Lowered, Wrapped
 
 from jaxatt.runtime import kept_programs
 from jaxatt.runtime.settings import QUICK_TO_COMPILE
@@ -99,11 +100,22 @@ class Routine:
         """
         file = self._file(args)
         content = None if file is None else kept_programs.read(file)
-        if file is not None and content is not None:
+        if content is not None:
             return functools.partial(kept_programs.load, content)
-        lowered = self._jitted.lower(*args)
+        if file is None:
+            return functools.partial(_compile, self._jitted.lower(*args))
+        return functools.partial(kept_programs.compiled, self._named(file).lower(*args), file)
 
-        return functools.partial(kept_programs.compiled, lowered, file)
+    def _named(self, file: Path) -> Wrapped:
+        """The function under a name that no other file has: JAX's cache looks at names, too."""
+
+        @functools.wraps(self._function)
+        def function(*args: Any) -> Any:
+            return self._function(*args)
+
+        function.__name__ = f"{self._function.__name__}_{file.name[:8]}"
+        statics = tuple(range(self._statics))
+        return jax.jit(function, static_argnums=statics, compiler_options=self._options)
 
     def _file(self, args: tuple[Any, ...]) -> Path | None:
         """File in which the program for such arguments is kept; None if it is not kept."""
@@ -120,3 +132,7 @@ class Routine:
         name = f"{self._function.__module__}.{self._function.__qualname__}"
         asked = repr((name, labels, types, options, kept_programs.circumstances()))
         return Path(folder) / "jaxatt" / hashlib.sha256(asked.encode()).hexdigest()
+
+
+def _compile(lowered: Lowered) -> None:
+    lowered.compile()  # A call of the same `jax.jit` finds it.

@@ -43,8 +43,8 @@ def circumstances() -> str:
     return repr((source_digest(), _device_kind(), machine(), flags, settings))
 
 
-def compiled(lowered: Lowered, file: Path | None) -> Compiled | None:
-    """Compile a program and keep it in a file; None where it is not kept and `jax.jit` finds it.
+def compiled(lowered: Lowered, file: Path) -> Compiled:
+    """Compile a program and keep it in a file.
 
     Not kept is what calls a library, which tracing sets up, and what JAX's own cache had: XLA
     writes such a program without its machine code.
@@ -52,9 +52,9 @@ def compiled(lowered: Lowered, file: Path | None) -> Compiled | None:
     _listen_to_the_cache()
     _this_thread.found = False
     program = lowered.compile()
-    if file is None or _this_thread.found or "custom_call" in lowered.as_text():
-        return None
-    return program if _write(file, program) else None
+    if not _this_thread.found and "custom_call" not in lowered.as_text():
+        _write(file, program)
+    return program
 
 
 def read(file: Path) -> bytes | None:
@@ -86,8 +86,8 @@ def _device_kind() -> str:
     return f"{device.platform} {device.device_kind}"
 
 
-def _write(file: Path, program: Compiled) -> bool:
-    """Write a program; False, after a warning, where that cannot be done."""
+def _write(file: Path, program: Compiled) -> None:
+    """Write a program; where that cannot be done, warn."""
     partial = file.with_suffix(f".{os.getpid()}")  # Never half a file under the real name.
     try:
         content = pickle.dumps(serialize_executable.serialize(program))
@@ -97,8 +97,6 @@ def _write(file: Path, program: Compiled) -> bool:
     except (OSError, ValueError, jax.errors.JaxRuntimeError) as error:
         partial.unlink(missing_ok=True)
         warnings.warn(f"a compiled program cannot be kept: {error}", stacklevel=2)
-        return False
-    return True
 
 
 _this_thread = threading.local()

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from jaxatt.runtime import kept_programs
+from jaxatt.runtime import compilation, kept_programs
 from jaxatt.runtime.clock import covered
 from jaxatt.runtime.compilation import Routine
 
@@ -48,9 +48,13 @@ def pool():
 
 @pytest.fixture
 def folder(pool, tmp_path):
-    """Where programs are kept now."""
+    """Where programs are kept now; JAX's own cache keeps none that are so small."""
+    setting = "jax_persistent_cache_min_compile_time_secs"
+    before = jax.config.values[setting]
+    jax.config.update(setting, 60.0)
     jax.config.update("jax_compilation_cache_dir", str(tmp_path))
-    return tmp_path / "jaxatt"
+    yield tmp_path / "jaxatt"
+    jax.config.update(setting, before)
 
 
 def ahead(routine, pool, *args):
@@ -75,10 +79,10 @@ def test_a_program_compiled_ahead_is_not_compiled_again(pool, compilations):
 
 
 def test_what_goes_wrong_in_the_thread_is_raised_by_the_call(pool, monkeypatch):
-    def fail(lowered, file):
+    def fail(lowered):
         raise RuntimeError("out of memory")
 
-    monkeypatch.setattr(kept_programs, "compiled", fail)
+    monkeypatch.setattr(compilation, "_compile", fail)
     routine = fresh()
     routine.begin(pool, CUBE, X, 2.0)
     with pytest.raises(RuntimeError, match="out of memory"):
