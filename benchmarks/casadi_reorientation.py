@@ -93,6 +93,17 @@ class Optimum:
         return self.step * float(np.sum(self.torques**2))
 
 
+def timed(
+    function: ca.Function, limits: dict[str, Any], x0: Floats, turn: Turn, rho: float | None
+) -> tuple[Floats, float, dict[str, Any], float]:
+    """Variables of an answer, objective, statistics and CPU time [s]; rho : None for the turn's."""
+    begin = time.process_time()
+    weight = turn.weight if rho is None else rho
+    answer = function(x0=x0, p=np.r_[turn.sigma, weight], **limits)
+    spent = time.process_time() - begin
+    return np.asarray(answer["x"]).ravel(), float(answer["f"]), function.stats(), spent
+
+
 class Solver:
     """Problem II of one turn, compiled; the target and rho may change between solves."""
 
@@ -115,14 +126,10 @@ class Solver:
     def __call__(self, start: Start, rho: float | None = None) -> Optimum:
         """Solve from a start."""
         n, b = self.turn.intervals, self.turn.torques
-        rho = self.turn.weight if rho is None else rho
-        begin = time.process_time()
-        answer = self.function(x0=packed(start), p=np.r_[self.turn.sigma, rho], **self.limits)
-        spent = time.process_time() - begin
-        x, stats = np.asarray(answer["x"]).ravel(), self.function.stats()
+        x, cost, stats, spent = timed(self.function, self.limits, packed(start), self.turn, rho)
         torques = np.r_[x[1:], np.zeros(6)].reshape(n, b + 6)[:, :b]
         status, iterations = stats["return_status"], stats["iter_count"]
-        return Optimum(torques, float(x[0]), float(answer["f"]), status, iterations, spent)
+        return Optimum(torques, float(x[0]), cost, status, iterations, spent)
 
 
 def minima(optima: list[Optimum], tolerance: float = 1e-6) -> list[tuple[float, int]]:

@@ -12,7 +12,6 @@ take a hundred), wider pushes off the bounds, a tolerance of 1e-8.
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +19,7 @@ import casadi as ca
 import numpy as np
 
 from benchmarks.casadi_compiled import compiled_solver
-from benchmarks.casadi_reorientation import Optimum, step_function
+from benchmarks.casadi_reorientation import Optimum, step_function, timed
 from benchmarks.reorientation_numbers import Floats, Start, Turn
 
 FATROP: dict[str, Any] = {"print_level": 0, "tol": 1e-9, "mu_init": 0.02, "max_iter": 100}
@@ -88,12 +87,7 @@ class FatropSolver:
     def __call__(self, start: Start, rho: float | None = None) -> Optimum:
         """Solve from a start."""
         n, b = self.turn.intervals, self.turn.torques
-        rho = self.turn.weight if rho is None else rho
-        begin = time.process_time()
-        answer = self.function(x0=packed(start), p=np.r_[self.turn.sigma, rho], **self.limits)
-        spent = time.process_time() - begin
-        x, stats = np.asarray(answer["x"]).ravel(), self.function.stats()
+        x, cost, stats, spent = timed(self.function, self.limits, packed(start), self.turn, rho)
         torques = x[:-_STATES].reshape(n, _STATES + b)[:, _STATES:]
         status = "Solve_Succeeded" if stats["success"] else stats["unified_return_status"]
-        step, cost = float(np.exp(x[-1])), float(answer["f"])
-        return Optimum(torques, step, cost, status, stats["iter_count"], spent)
+        return Optimum(torques, float(np.exp(x[-1])), cost, status, stats["iter_count"], spent)

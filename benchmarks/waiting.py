@@ -16,50 +16,14 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
+from benchmarks.processes import run_to_the_end
 from benchmarks.tables import grid
 
 CASE = "hypso1-90-45-15"
 INERTIA = [[0.08, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.22]]
-
-
-@dataclass(frozen=True)
-class Wait:
-    """One process: wall time to the verdict and to the end, processor time [s]."""
-
-    verdict: float
-    end: float
-    processor: float
-
-
-def waited(arguments: Sequence[str], home: Path, expected: int = 0) -> Wait:
-    """Run `jaxatt` with arguments in a process of its own, whose cache is below `home`."""
-    environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_", "XLA_"))}
-    environment |= {"XDG_CACHE_HOME": str(home / "cache"), "PYTHONUNBUFFERED": "1"}
-    began = time.perf_counter()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "jaxatt", *arguments],
-        env=environment,
-        cwd=home,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        text=True,
-    )
-    assert process.stdout is not None
-    verdict = None
-    for line in process.stdout:
-        if verdict is None and line.startswith("  status"):
-            verdict = time.perf_counter() - began
-    _, code, usage = os.wait4(process.pid, 0)
-    end = time.perf_counter() - began
-    process.returncode = os.waitstatus_to_exitcode(code)
-    if process.returncode != expected:
-        raise RuntimeError(f"jaxatt {' '.join(arguments)} ended with {process.returncode}")
-    return Wait(end if verdict is None else verdict, end, usage.ru_utime + usage.ru_stime)
 
 
 def neighbours(home: Path) -> dict[str, Path]:
@@ -88,6 +52,8 @@ def rows(turns: int) -> list[list[str]]:
     """The rows of the table."""
     home = Path(tempfile.mkdtemp())
     solve = ("solve", CASE, "--out", "out")
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("JAX_", "XLA_"))}
+    environment["XDG_CACHE_HOME"] = str(home / "cache")
 
     def row(
         name: str, arguments: Sequence[str], cold: bool = False, expected: int = 0
@@ -96,10 +62,10 @@ def rows(turns: int) -> list[list[str]]:
         for _ in range(turns):
             if cold:
                 shutil.rmtree(home / "cache", ignore_errors=True)
-            found.append(waited(arguments, home, expected))
+            found.append(run_to_the_end(arguments, environment, home, "  status", expected))
         print(name, file=sys.stderr, flush=True)
-        parts = ("verdict", "end", "processor")
-        return [name, *(f"{statistics.median(getattr(w, p) for w in found):.2f}" for p in parts)]
+        parts = ("printed_s", "wall_s", "processor_s")
+        return [name, *(f"{statistics.median(getattr(e, p) for e in found):.2f}" for p in parts)]
 
     try:
         bad = home / "bad.toml"

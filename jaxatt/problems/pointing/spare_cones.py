@@ -1,6 +1,6 @@
 """Cones that are always satisfied, so that slews past one to four cones share compiled programs.
 
-Compiling the search past cones takes longer than some forty solves past three cones too many.
+Compiling the search past cones takes far longer than solving past three cones too many.
 """
 
 from __future__ import annotations

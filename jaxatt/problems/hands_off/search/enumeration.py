@@ -18,12 +18,19 @@ import numpy.typing as npt
 from jaxatt.optimize.reweighting.support import Mask
 from jaxatt.optimize.reweighting.weights import Reweighting
 from jaxatt.problems.hands_off.search.batch import broadcast_lanes
-from jaxatt.problems.hands_off.search.polish import SCREENING, SETTLED, Method, polish, reweight
+from jaxatt.problems.hands_off.search.polish import (
+    SCREENING,
+    SETTLE_ROLL,
+    SETTLED,
+    Method,
+    polish,
+    reweight,
+)
 from jaxatt.problems.hands_off.task import SparseTask
 from jaxatt.runtime.arrays import Flags, Floats
 
 _FROM_REST = Reweighting(deciding=0, settling=10)
-_WITH_ROLL = Reweighting(deciding=0, settling=24, settled_smoothing=0.03)
+_WITH_ROLL = Reweighting(deciding=0, settling=SETTLE_ROLL, settled_smoothing=0.03)
 """The same where a roll has to settle; with less smoothing it still creeps after many steps."""
 _PER_CALL = 4096
 _MOST_PAIRS = 20_000
