@@ -10,7 +10,7 @@ import typer
 
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.tables.manoeuvre import MOST_SEED, MOST_STARTS
-from jaxatt.problems.registry import families
+from jaxatt.problems.registry import kinds
 from jaxatt.report.plots import Figures
 
 MOST_TASKS = 100_000
@@ -24,7 +24,7 @@ class Terminal(StrEnum):
     penalty = "penalty"
 
 
-_KINDS = tuple(dict.fromkeys(kind for family in families() for kind in family.kinds))
+_KINDS = kinds()
 
 
 def _known_kind(value: str | None) -> str | None:

@@ -1,23 +1,31 @@
-"""Registry of the families of problems, one line a family."""
+"""Registry of the families of problems, one line a family.
+
+What the files of a family hold is known at once; its code is loaded when a scenario asks for it.
+"""
 
 from __future__ import annotations
 
-from jaxatt.problems.family import Family
-from jaxatt.problems.hands_off.family import HandsOff
-from jaxatt.problems.net_power.family import NetPower
-from jaxatt.problems.scenario import Scenario
-from jaxatt.problems.time_optimal.family import TimeOptimal
-from jaxatt.problems.toy.family import Toy
+import pkgutil
+from typing import TYPE_CHECKING
 
-_FAMILIES: dict[str, Family] = {
-    family.name: family
-    for family in (
-        HandsOff(),
-        TimeOptimal(),
-        NetPower(),
-        Toy(),
-    )
+from jaxatt.problems.hands_off.file_format import FORMAT as HANDS_OFF
+from jaxatt.problems.net_power.file_format import FORMAT as NET_POWER
+from jaxatt.problems.reading.file_format import Formatted
+from jaxatt.problems.time_optimal.file_format import FORMAT as TIME_OPTIMAL
+from jaxatt.problems.toy.file_format import FORMAT as TOY
+
+if TYPE_CHECKING:
+    from jaxatt.problems.family import Family
+    from jaxatt.problems.scenario import Scenario
+
+_CODE = {
+    HANDS_OFF: "jaxatt.problems.hands_off.family:HandsOff",
+    TIME_OPTIMAL: "jaxatt.problems.time_optimal.family:TimeOptimal",
+    NET_POWER: "jaxatt.problems.net_power.family:NetPower",
+    TOY: "jaxatt.problems.toy.family:Toy",
 }
+_FORMATS: dict[str, Formatted] = {known.name: known for known in _CODE}
+_FAMILIES: dict[str, Family] = {}
 
 
 def register(family: Family) -> None:
@@ -25,48 +33,41 @@ def register(family: Family) -> None:
 
     Raises `ValueError` where its name, or a kind of one of its systems, is taken.
     """
-    if family.name in _FAMILIES:
+    if family.name in _FORMATS:
         raise ValueError(f"family {family.name!r}: the name is taken; choose another")
-    for system in family.systems:
-        taken = set(kinds_of(system)) & set(family.kinds)
-        if taken:
+    for known in formats():
+        taken = set(known.kinds) & set(family.kinds)
+        for system in set(known.systems) & set(family.systems) if taken else ():
             raise ValueError(
                 f"family {family.name!r}: objective.kind = {sorted(taken)[0]!r} of system = "
                 f"{system!r} is taken; choose another"
             )
-    _FAMILIES[family.name] = family
+    _FORMATS[family.name] = _FAMILIES[family.name] = family
 
 
 def unregister(name: str) -> None:
     """Remove a registered family."""
-    del _FAMILIES[name]
+    del _FORMATS[name], _FAMILIES[name]
 
 
-def families() -> tuple[Family, ...]:
-    """All registered families, those of the package first."""
-    return tuple(_FAMILIES.values())
+def formats() -> tuple[Formatted, ...]:
+    """What the files of all families hold, those of the package first."""
+    return tuple(_FORMATS.values())
+
+
+def kinds() -> tuple[str, ...]:
+    """Values of `objective.kind` that scenarios may have."""
+    return tuple(dict.fromkeys(kind for known in formats() for kind in known.kinds))
 
 
 def family_named(name: str) -> Family:
     """The family of a record; raises `KeyError` where it is not registered."""
+    if name not in _FAMILIES:
+        code = {known.name: place for known, place in _CODE.items()}[name]
+        _FAMILIES[name] = pkgutil.resolve_name(code)()
     return _FAMILIES[name]
 
 
 def family_of(scenario: Scenario) -> Family:
     """The family that a scenario belongs to."""
-    return _FAMILIES[scenario.family]
-
-
-def systems() -> tuple[str, ...]:
-    """Values of `system` that scenarios may have, in the order of registration."""
-    return tuple(dict.fromkeys(system for family in families() for system in family.systems))
-
-
-def families_of(system: str) -> tuple[Family, ...]:
-    """Families that answer to a system."""
-    return tuple(family for family in families() if system in family.systems)
-
-
-def kinds_of(system: str) -> tuple[str, ...]:
-    """Values of `objective.kind` that scenarios of a system may have."""
-    return tuple(kind for family in families_of(system) for kind in family.kinds)
+    return family_named(scenario.family)

@@ -92,7 +92,7 @@ class Objective:
 
     Attributes
     ----------
-    kind : one of those of a family, see `jaxatt.problems.registry.kinds_of`
+    kind : one of those of a family, see `jaxatt.problems.registry.kinds`
     terminal : "reach" or "penalty"
         Terminal constraints with tolerances, or the printed cost.
     design : 1, 2 or 3

@@ -44,8 +44,9 @@ def from_mapping(
         Where a vehicle's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    refuse(scenario_faults(plain, origin, registry.families()))
-    return format_of(plain, origin, registry.families()).read(plain, origin, folder)
+    refuse(scenario_faults(plain, origin, registry.formats()))
+    family = registry.family_named(format_of(plain, origin, registry.formats()).name)
+    return family.read(plain, origin, folder)
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

@@ -5,20 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from jaxatt.problems.hands_off.file_format import FORMAT as HANDS_OFF
-from jaxatt.problems.net_power.file_format import FORMAT as NET_POWER
 from jaxatt.problems.reading.checking import find_faults
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.file_format import FileFormat, scenario_faults
+from jaxatt.problems.reading.file_format import scenario_faults
 from jaxatt.problems.reading.keys import TableKey
 from jaxatt.problems.reading.tables.vehicle import VEHICLE_FILE_KEYS
-from jaxatt.problems.time_optimal.file_format import FORMAT as TIME_OPTIMAL
-from jaxatt.problems.toy.file_format import FORMAT as TOY
+from jaxatt.problems.registry import formats
 from jaxatt.scenarios.flight_schema import FLIGHT_KEYS
 from jaxatt.studies.tables import DESIGN_KEYS, STUDY_KEYS
-
-FORMATS: tuple[FileFormat, ...] = (HANDS_OFF, TIME_OPTIMAL, NET_POWER, TOY)
-"""Scenarios, by family."""
 
 OTHERS: Mapping[str, TableKey] = {
     "flight": FLIGHT_KEYS,
@@ -26,7 +20,7 @@ OTHERS: Mapping[str, TableKey] = {
     "design": DESIGN_KEYS,
     "vehicle": VEHICLE_FILE_KEYS,
 }
-"""Keys at the top of all other kinds of files."""
+"""Keys at the top of all kinds of files but scenarios, which their families declare."""
 
 _TOLD_BY = {
     "flight": ("simulation", "laws"),
@@ -48,5 +42,5 @@ def kind_of_document(document: Mapping[str, Any]) -> str:
 def faults_of(document: Mapping[str, Any], origin: str, kind: str) -> Sequence[ScenarioError]:
     """All faults of a document of a kind that can be told without computing."""
     if kind == "manoeuvre":
-        return scenario_faults(document, origin, FORMATS)
+        return scenario_faults(document, origin, formats())
     return find_faults(document, origin, OTHERS[kind])

@@ -9,7 +9,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.reading.file_format import FileFormat
+from jaxatt.problems.reading.file_format import Formatted
 from jaxatt.problems.reading.keys import (
     Choice,
     Each,
@@ -26,7 +26,8 @@ from jaxatt.problems.reading.keys import (
     Whole,
 )
 from jaxatt.problems.reading.schema import SPACECRAFT, scenario_keys, unit_of
-from jaxatt.studies.file_kinds import FORMATS, OTHERS
+from jaxatt.problems.registry import formats
+from jaxatt.studies.file_kinds import OTHERS
 
 Schema = dict[str, Any]
 
@@ -77,18 +78,18 @@ def schema_line(kind: str) -> str:
 
 def _scenario() -> Schema:
     """Scenarios, whose tables depend on the system and the kind of objective."""
-    default, *others = FORMATS
+    default, *others = formats()
     found: Schema = _table(_keys(default))
     for each in others:
         found = {"if": _condition(each), "then": _table(_keys(each)), "else": found}
     return found
 
 
-def _keys(known: FileFormat) -> TableKey:
+def _keys(known: Formatted) -> TableKey:
     return scenario_keys(known.tables, known.systems)
 
 
-def _condition(known: FileFormat) -> Schema:
+def _condition(known: Formatted) -> Schema:
     """Schema of what makes a document one of a family that is not the default."""
     if SPACECRAFT not in known.systems:
         return {"properties": {"system": {"enum": list(known.systems)}}, "required": ["system"]}

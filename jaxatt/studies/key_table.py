@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from jaxatt.problems.reading.file_format import FileFormat
+from jaxatt.problems.reading.file_format import Formatted
 from jaxatt.problems.reading.keys import (
     Choice,
     Each,
@@ -21,7 +21,8 @@ from jaxatt.problems.reading.keys import (
     Whole,
 )
 from jaxatt.problems.reading.schema import UNITS, scenario_keys
-from jaxatt.studies.file_kinds import FORMATS, OTHERS
+from jaxatt.problems.registry import formats
+from jaxatt.studies.file_kinds import OTHERS
 
 _HEAD = """# Keys of all files
 
@@ -53,13 +54,13 @@ def key_page() -> str:
 
 
 def _kinds() -> Iterator[tuple[str, TableKey]]:
-    for known in FORMATS:
+    for known in formats():
         yield f"{_TITLES[known.name]} ({_told_by(known)})", scenario_keys(known.tables)
     for kind, declared in OTHERS.items():
         yield _TITLES[kind], declared
 
 
-def _told_by(known: FileFormat) -> str:
+def _told_by(known: Formatted) -> str:
     kinds = ", ".join(f'"{kind}"' for kind in known.kinds)
     return f"`objective.kind` = {kinds}" if known.name != "toy" else "`system` is one of them"
 

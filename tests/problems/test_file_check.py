@@ -11,7 +11,7 @@ from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import ScenarioErrors
 from jaxatt.problems.reading.lines import line_of
 from jaxatt.scenarios.bundled import KINDS, names
-from jaxatt.studies.file_kinds import FORMATS, faults_of, kind_of_document
+from jaxatt.studies.file_kinds import faults_of, kind_of_document
 
 BUNDLED = [(kind, name) for kind in KINDS if kind != "imaging" for name in names(kind)]
 BAD = """name = "bad"
@@ -60,7 +60,9 @@ def test_every_fault_of_a_file_is_told_with_its_line(tmp_path):
 
 
 def test_the_formats_are_those_of_the_families():
-    for known, family in zip(FORMATS, registry.families(), strict=True):
+    assert len(registry.formats()) >= 4
+    for known in registry.formats():
+        family = registry.family_named(known.name)
         for name in ("name", "systems", "kinds", "tables"):
             assert getattr(known, name) == getattr(family, name)
 

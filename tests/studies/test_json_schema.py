@@ -13,8 +13,9 @@ from jaxatt.cli.schema import as_text
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.keys import TableKey
 from jaxatt.problems.reading.vehicles import vehicle_names
+from jaxatt.problems.registry import formats
 from jaxatt.scenarios.bundled import KINDS, names
-from jaxatt.studies.file_kinds import FORMATS, OTHERS, faults_of
+from jaxatt.studies.file_kinds import OTHERS, faults_of
 from jaxatt.studies.json_schema import FOLDER, schema_of
 from jaxatt.studies.json_schema import KINDS as SCHEMAS
 from jaxatt.studies.key_table import key_page
@@ -103,7 +104,7 @@ def test_every_key_has_a_meaning():
             if isinstance(value, TableKey):
                 yield from without(value, f"{path}.{key}")
 
-    for known in FORMATS:
+    for known in formats():
         assert not list(without(TableKey(keys_=known.tables), known.name))
     for kind, declared in OTHERS.items():
         assert not list(without(declared, kind))

@@ -8,14 +8,16 @@ couple the stages.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import jax
 import jax.numpy as jnp
-import optax
 from jax import Array
 
 from jaxatt.optimize.small_systems import invert_spd_blocks
+
+if TYPE_CHECKING:
+    import optax
 
 
 class LocalModel(NamedTuple):
@@ -71,6 +73,8 @@ def gauss_newton(
     `update` takes the keywords `model`, `value`, `grad` and `value_fn`, the last three as optax's
     line searches do.  damping : added to the diagonal of every block.
     """
+    import optax
+
     line_search = optax.scale_by_backtracking_linesearch(
         max_backtracking_steps=backtracking_steps, decrease_factor=0.4, increase_factor=1e9
     )

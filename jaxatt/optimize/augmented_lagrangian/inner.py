@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import functools
-from typing import Any
-
-import optax
+from typing import TYPE_CHECKING, Any
 
 from jaxatt.optimize.augmented_lagrangian.gauss_newton import gauss_newton
+
+if TYPE_CHECKING:
+    import optax
 
 NAMES = ("gauss-newton", "lbfgs", "adam")
 DENSE_NAMES = ("newton", "gauss-newton", "lbfgs", "adam")
@@ -18,6 +19,8 @@ def _without_model(
     transformation: optax.GradientTransformationExtraArgs,
 ) -> optax.GradientTransformationExtraArgs:
     """Drop the argument `model`, which optax's own transformations do not know."""
+
+    import optax
 
     def update(
         updates: Any, state: Any, params: Any = None, *, model: Any = None, **extra: Any
@@ -34,6 +37,8 @@ def inner_minimiser(name: str) -> optax.GradientTransformationExtraArgs:
     "gauss-newton" uses the problem's structure and is the default; "lbfgs" and "adam" are optax's
     own, for comparison and for problems without structure.
     """
+    import optax
+
     if name == "gauss-newton":
         return gauss_newton()
     if name == "lbfgs":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import jax.numpy as jnp
-import optax
 from jax import Array
 
 from jaxatt.optimize.dense import proposals
@@ -19,6 +18,8 @@ class FirstOrder:
     NAMES: ClassVar[tuple[str, ...]] = ("lbfgs", "adam")
 
     def __init__(self, name: str) -> None:
+        import optax
+
         self._searches = name == "lbfgs"
         self._rule = optax.lbfgs(linesearch=None) if self._searches else optax.adam(1e-2)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from jaxatt.problems.reading.checking import find_faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
@@ -34,6 +34,9 @@ class Formatted(Protocol):
     """Anything that says what files it reads: a family, or its `FileFormat`."""
 
     @property
+    def name(self) -> str: ...
+
+    @property
     def systems(self) -> tuple[str, ...]: ...
 
     @property
@@ -43,10 +46,7 @@ class Formatted(Protocol):
     def tables(self) -> Mapping[str, TableKey]: ...
 
 
-F = TypeVar("F", bound=Formatted)
-
-
-def format_of(document: Mapping[str, Any], origin: str, formats: Sequence[F]) -> F:
+def format_of(document: Mapping[str, Any], origin: str, formats: Sequence[Formatted]) -> Formatted:
     """The one of several formats that answers to a document's system and kind of objective.
 
     Raises `ScenarioError`.
