@@ -11,7 +11,6 @@ from jaxatt.runtime.files import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
-    from matplotlib.figure import Figure
 
     from jaxatt.drawing.picture import Picture
 
@@ -26,7 +25,7 @@ def picture(width: float, height: float, title: str = "") -> Picture:
     """Make an empty figure of a size in inches."""
     from jaxatt.drawing.picture import Picture  # matplotlib is loaded by whoever draws
 
-    figure = Picture(figsize=(width, height), layout="constrained")
+    figure = Picture(width, height)
     if title:
         across = round(_LETTERS * width)
         figure.suptitle("\n".join(fill(line, across) for line in title.splitlines()))
@@ -52,9 +51,7 @@ def whole_ticks(axis: Axis) -> None:
     axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 
-def save(figure: Figure, path: str | Path) -> None:
+def save(figure: Picture, path: str | Path) -> None:
     """Write a figure as PNG, completely or not at all."""
-    from jaxatt.drawing.picture import DPI
-
     with replacing(path) as partial:
-        figure.savefig(partial, format="png", dpi=DPI)
+        figure.write_png(partial)

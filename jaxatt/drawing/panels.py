@@ -14,6 +14,9 @@ from jaxatt.spacecraft.wheels import ReactionWheels
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+QUATERNION = ("η", "ε₁", "ε₂", "ε₃")
+"""Names of its components, scalar first."""
+
 
 def lines(axes: Axes, time: Floats, values: Floats, names: Sequence[str]) -> None:
     """Draw one line a component; time : (K,), values : (K, n)."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jaxatt.attitude import euler
 from jaxatt.drawing.figure import COAST, colour, tidy
-from jaxatt.drawing.panels import lines, pulses, references, runs, speed_limits
+from jaxatt.drawing.panels import QUATERNION, lines, pulses, references, runs, speed_limits
 from jaxatt.problems.answer import Answer
 from jaxatt.records.timeline import timeline
 from jaxatt.report.family import sections_of
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-ANGLES = (r"$\phi$", r"$\theta$", r"$\psi$")
+ANGLES = ("roll φ", "pitch θ", "yaw ψ")
 AXES = ("x", "y", "z")
 _WORDS = {"body": "body", "wheels": "wheel", "thrusters": "thruster"}
 TORQUES = tuple(f"torque_{kind}" for kind in _WORDS)
@@ -63,37 +64,41 @@ def shade(axes: Axes, result: Answer, legend: bool = True) -> None:
 
 def euler_angles(axes: Axes, result: Answer) -> None:
     """Draw roll, pitch and yaw with dotted references."""
-    line = timeline(result.phases)
-    angles = np.unwrap(np.asarray(_euler(line.nodes["q_ob"])), axis=0)
+    line, waypoint = timeline(result.phases), result.scenario.waypoint
+    spans = zip(result.phases, line.spans, strict=True)
+    aimed = [(phase.reference["q_ob"], span) for phase, span in spans if "q_ob" in phase.reference]
+    passed = [] if waypoint is None else [waypoint.q_ob]
+    flown, wanted = _angles(line.nodes["q_ob"], [*(q for q, _ in aimed), *passed])
+    angles = np.unwrap(flown, axis=0)
     lines(axes, line.time, np.degrees(angles), ANGLES)
-    for phase, (start, end) in zip(result.phases, line.spans, strict=True):
-        if "q_ob" not in phase.reference:
-            continue
-        wanted = np.asarray(_euler(phase.reference["q_ob"]))
+    for target, (_, (start, end)) in zip(wanted, aimed, strict=False):
         at_end = angles[np.searchsorted(line.time, end - 1e-9)]
-        references(axes, start, end, np.degrees(_nearest_turn(wanted, at_end)))
-    waypoint = result.scenario.waypoint
+        references(axes, start, end, np.degrees(_nearest_turn(target, at_end)))
     if waypoint is not None:
-        wanted = np.asarray(_euler(waypoint.q_ob))
         passing = waypoint.node * result.phases[0].step
         now = angles[np.searchsorted(line.time, passing - 1e-9)]
-        for index, angle in enumerate(np.degrees(_nearest_turn(wanted, now))):
+        for index, angle in enumerate(np.degrees(_nearest_turn(wanted[-1], now))):
             label = "waypoint" if index == 0 else None
             ring: dict[str, Any] = {"facecolors": "none", "edgecolors": colour(index), "zorder": 4}
             axes.scatter(passing, angle, s=50, label=label, **ring)
     axes.set_ylabel("Euler angles\n[deg]")
 
 
+def _angles(flown: Floats, wanted: Sequence[Floats]) -> tuple[Floats, Floats]:
+    """Euler angles of attitudes (K, 4) and of further ones, (4,) each, by one compiled call."""
+    every = np.asarray(_euler(np.concatenate([flown, *(q[None] for q in wanted)])))
+    return every[: len(flown)], every[len(flown) :]
+
+
 def relative_rate(axes: Axes, result: Answer) -> None:
     """Draw the rate of the body relative to the orbit frame."""
     line = timeline(result.phases)
-    names = [rf"$\omega_{axis}$" for axis in AXES]
-    lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), names)
+    lines(axes, line.time, np.degrees(line.nodes["omega_ob"]), AXES)
     for phase, (start, end) in zip(result.phases, line.spans, strict=True):
         if "omega_ob" in phase.reference:
             references(axes, start, end, np.degrees(phase.reference["omega_ob"]))
-    frame = "ib" if result.scenario.orbit is None else "ob"
-    axes.set_ylabel(rf"$\omega_{{{frame}}}^{{b}}$ [deg/s]")
+    frame = "inertial" if result.scenario.orbit is None else "orbit"
+    axes.set_ylabel(f"rate to {frame}\nframe [deg/s]")
 
 
 def wheel_speeds(axes: Axes, result: Answer) -> None:
@@ -112,13 +117,13 @@ def torque_rows(result: Answer, kind: str) -> list[tuple[Floats, str, float]]:
     assert vehicle is not None
     if kind == "thrusters":
         limit = np.asarray(vehicle.thrusters.torque_limit)
-        names = [rf"$\tau_{{u,{i + 1}}}$" for i in range(len(limit))]
+        names = [f"thruster {i + 1}" for i in range(len(limit))]
     elif kind == "body":
         limit = body_torque_limit(vehicle.wheels, result.scenario.control.axes == "body")
-        names = [rf"$\tau_{{b,{axis}}}$" for axis in AXES]
+        names = list(AXES)
     else:
         limit = np.asarray(vehicle.wheels.torque_limit)
-        names = [rf"$\tau_{{w,{place + 1}}}$" for place in vehicle.wheels.working]
+        names = list(vehicle.wheels.names)
     values = timeline(result.phases).intervals[f"torque_{kind}"]
     rows = zip(values.T * 1e3, names, limit * 1e3, strict=True)
     return [(row, name, float(most)) for row, name, most in rows]
@@ -142,7 +147,7 @@ def quaternion_components(axes: Axes, result: Answer) -> None:
         np.concatenate([[1.0], np.where(np.sum(values[1:] * values[:-1], axis=1) < 0, -1.0, 1.0)])
     )
     values = values * signs[:, None]
-    lines(axes, line.time, values, [r"$\eta$", *(rf"$\epsilon_{i}$" for i in (1, 2, 3))])
+    lines(axes, line.time, values, QUATERNION)
     for phase, (start, end) in zip(result.phases, line.spans, strict=True):
         if "q_ob" not in phase.reference:
             continue

@@ -38,7 +38,7 @@ def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
         diamond = ringed | {"s": 70, "c": colour(5), "marker": "D", "label": words}
         axes.scatter(other.active_intervals, unit * other.l1_effort, **diamond)
     axes.set_xlabel("active intervals")
-    axes.set_ylabel(r"$\int |u|\, dt$" if unitless else "L1 effort [mN m s]")
+    axes.set_ylabel("∫ |u| dt" if unitless else "L1 effort [mN m s]")
     whole_ticks(axes.xaxis)
     axes.legend(fontsize=8, frameon=False, loc="best")
     tidy(axes)

@@ -21,7 +21,7 @@ def test_overview_of_a_spacecraft(make):
     figure = plots.plot(make())
     assert labels(figure) == [
         "Euler angles [deg]",
-        r"$\omega_{ob}^{b}$ [deg/s]",
+        "rate to orbit frame [deg/s]",
         "body torque [mN m]",
         "wheel torque [mN m]",
         "wheel speeds [rpm]",

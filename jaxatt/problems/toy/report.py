@@ -24,7 +24,7 @@ def control(axes: Axes, answer: Answer) -> None:
     """Draw the control of a toy system."""
     line = timeline(answer.phases)
     values, limit = line.intervals["control"][:, 0], answer.scenario.control.limit
-    pulses(axes, line.edges, values, 0, "$u$", limit)
+    pulses(axes, line.edges, values, 0, "u", limit)
     axes.set_ylabel("control")
 
 
@@ -32,7 +32,7 @@ def states(axes: Axes, answer: Answer) -> None:
     """Draw the states of a toy system with dotted references."""
     line = timeline(answer.phases)
     values = line.nodes["state"]
-    lines(axes, line.time, values, [rf"$x_{i + 1}$" for i in range(values.shape[1])])
+    lines(axes, line.time, values, [f"x{'₁₂'[i]}" for i in range(values.shape[1])])
     for phase, (start, end) in zip(answer.phases, line.spans, strict=True):
         references(axes, start, end, phase.reference["state"])
     axes.set_ylabel("state")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jaxatt.drawing.figure import colour, tidy, whole_ticks
-from jaxatt.drawing.panels import lines, references
+from jaxatt.drawing.panels import QUATERNION, lines, references
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.record import net_power
 from jaxatt.problems.sections import Panel, Shade
@@ -89,7 +89,7 @@ def attitude(axes: Axes, answer: Answer) -> None:
     q = line.nodes["q_ib"]
     same = np.where(np.sum(q[1:] * q[:-1], axis=1) < 0.0, -1.0, 1.0)
     q = q * np.concatenate([[1.0], np.cumprod(same)])[:, None]
-    lines(axes, line.time, q, [r"$\eta$", *(rf"$\epsilon_{i}$" for i in (1, 2, 3))])
+    lines(axes, line.time, q, QUATERNION)
     for phase, (start, end) in zip(answer.phases, line.spans, strict=True):
         if "q_ib" in phase.reference:
             at_end = q[np.searchsorted(line.time, end - 1e-9)]
@@ -101,19 +101,18 @@ def attitude(axes: Axes, answer: Answer) -> None:
 def rates(axes: Axes, answer: Answer) -> None:
     """Draw the rate relative to the inertial frame."""
     line = timeline(answer.phases)
-    names = [rf"$\omega_{axis}$" for axis in "xyz"]
-    lines(axes, line.time, np.degrees(line.nodes["omega_ib"]), names)
+    lines(axes, line.time, np.degrees(line.nodes["omega_ib"]), "xyz")
     for phase, (start, end) in zip(answer.phases, line.spans, strict=True):
         if "omega_ib" in phase.reference:
             references(axes, start, end, np.degrees(phase.reference["omega_ib"]))
-    axes.set_ylabel(r"$\omega_{ib}^{b}$ [deg/s]")
+    axes.set_ylabel("rate to inertial\nframe [deg/s]")
 
 
 def dipole(axes: Axes, answer: Answer) -> None:
     """Draw the dipole of the magnetorquers."""
     line = timeline(answer.phases)
-    lines(axes, line.time, line.nodes["dipole"], [rf"$m_{axis}$" for axis in "xyz"])
-    axes.set_ylabel("dipole [A m$^2$]")
+    lines(axes, line.time, line.nodes["dipole"], "xyz")
+    axes.set_ylabel("dipole [A m²]")
 
 
 def shades(answer: Answer) -> tuple[Shade, ...]:

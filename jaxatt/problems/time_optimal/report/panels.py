@@ -39,7 +39,7 @@ def modified_rodrigues(axes: Axes, result: Answer) -> None:
     sigma = np.asarray(_sigma(line.nodes["q_ob"]))
     time, broken = _broken(line.time, sigma)
     for index in range(3):
-        label = rf"$\sigma_{index + 1}$"
+        label = ("σ₁", "σ₂", "σ₃")[index]
         axes.plot(time, broken[:, index], color=colour(index), linewidth=1.5, label=label)
     for phase in result.phases:
         for index, value in enumerate(np.asarray(_sigma(phase.reference["q_ob"]))):
