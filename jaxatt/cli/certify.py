@@ -41,7 +41,13 @@ def certify(
         with Reporter(scenario.solver.starts, quiet) as report:
             certificate = run(scenario, most=most or MOST_SUPPORTS, report=report)
         sentences = certificate.sentences()
-        files = certificate.save(folder)
-        finish(" ".join(sentences), files, folder, quiet, certificate.table(), sentences)
+        finish(
+            " ".join(sentences),
+            lambda: certificate.save(folder),
+            folder,
+            quiet,
+            certificate.table(),
+            sentences,
+        )
         if not certificate.result.reached:
             raise typer.Exit(NOT_REACHED)

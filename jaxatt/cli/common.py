@@ -99,17 +99,16 @@ def complain(text: str) -> None:
 
 def finish(
     line: str,
-    files: list[Path],
+    write: Callable[[], list[Path]],
     folder: Path,
     quiet: bool,
     table: RenderableType,
     sentences: Iterable[str] = (),
-    draw: Callable[[], list[Path]] = list,
 ) -> None:
-    """Print a result whose files are written: the table and where they are, or `line` if quiet.
+    """Print a result, the table or `line` if quiet, then write its files and say where they are.
 
-    Files come first, so that nothing is lost where nothing can be printed; figures, which `draw`
-    makes, come last, so that nobody waits for them.
+    Nobody waits for files and figures to read the result, and they are written where nothing can
+    be printed, too.
     """
     from jaxatt.records.wording import plural
 
@@ -123,7 +122,7 @@ def finish(
                 say(sentence)
     except OutputError as error:
         unprinted = error
-    files = [*files, *draw()]
+    files = write()
     plain = [str(file.relative_to(folder)) for file in files if file.suffix != ".png"]
     figures = plural(len(files) - len(plain), "figure")
     try:
@@ -136,18 +135,10 @@ def finish(
 
 
 def finish_result(result: Result, folder: Path, figures: Figures, quiet: bool) -> None:
-    """Write a result, print it, draw it."""
+    """Print a result, write and draw it."""
     from jaxatt.report.tables import result_table
 
-    files = result.save(folder, "none")
-    finish(
-        repr(result),
-        files,
-        folder,
-        quiet,
-        result_table(result),
-        draw=lambda: result.save_figures(folder, figures),
-    )
+    finish(repr(result), lambda: result.save(folder, figures), folder, quiet, result_table(result))
 
 
 def _show(table: RenderableType) -> None:

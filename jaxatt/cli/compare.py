@@ -47,7 +47,7 @@ def compare(
 
         with Reporter(scenario.solver.starts, quiet) as report:
             comparison = run(scenario, starts, seed, report)
-        finish(repr(comparison), comparison.save(folder), folder, quiet, comparison.table())
+        finish(repr(comparison), lambda: comparison.save(folder), folder, quiet, comparison.table())
         if not comparison.reached:
             for kind, result in comparison.results.items():
                 if not result.reached:
@@ -71,7 +71,7 @@ def _compare_flight(case: str, seed: int | None, out: Path | None, quiet: bool) 
     folder = prepare_folder(out or Path("results") / flight.name)
     with Reporter(len(flight.laws), quiet) as report:
         comparison = compare_flight(flight, seed, report)
-    finish(repr(comparison), comparison.save(folder), folder, quiet, comparison.table())
+    finish(repr(comparison), lambda: comparison.save(folder), folder, quiet, comparison.table())
 
 
 def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
@@ -79,4 +79,4 @@ def _compare_imaging(case: str, out: Path | None, quiet: bool) -> None:
     folder = prepare_folder(out or Path("results") / case)
 
     found = compare_imaging()
-    finish(repr(found), found.save(folder), folder, quiet, found.table())
+    finish(repr(found), lambda: found.save(folder), folder, quiet, found.table())

@@ -36,7 +36,7 @@ def design(
         folder = prepare_folder(out or Path("results") / study.name)
         with Reporter(study.points, quiet) as report:
             found = find(study, report)
-        finish(repr(found), found.save(folder), folder, quiet, found.table())
+        finish(repr(found), lambda: found.save(folder), folder, quiet, found.table())
         if not found.reached:
             complain("an independent solve of the design does not confirm it; take more starts")
             raise typer.Exit(NOT_REACHED)

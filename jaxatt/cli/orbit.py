@@ -52,6 +52,6 @@ def orbit(
         known = known_orbit(case, object_, epoch)
         folder = prepare_folder(out or Path("results") / f"{known.name}-orbit")
         found = OrbitCourse(course_of(known, None if hours is None else 3600.0 * hours))
-        finish(repr(found), found.save(folder), folder, quiet, found.table())
+        finish(repr(found), lambda: found.save(folder), folder, quiet, found.table())
         for note in known.notes if quiet else ():
             complain(f"Note: {note}")

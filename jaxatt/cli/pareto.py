@@ -91,7 +91,7 @@ def pareto(
                 report=report,
             )
         if writes():
-            finish(repr(found), found.save(folder), folder, quiet, found.table())
+            finish(repr(found), lambda: found.save(folder), folder, quiet, found.table())
             if not found.reached:
                 complain("a point does not reach what was asked when flown")
         if not found.reached:

@@ -97,6 +97,6 @@ def _over_dates(
     with Reporter(len(days) * (starts or STARTS), quiet or not writes()) as report:
         year = plan_year(scenario, days, starts=starts, seed=seed, report=report)
     if writes():
-        finish(repr(year), year.save(folder), folder, quiet, year.table())
+        finish(repr(year), lambda: year.save(folder), folder, quiet, year.table())
     if not year.reached:
         raise typer.Exit(NOT_REACHED)

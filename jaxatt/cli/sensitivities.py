@@ -39,7 +39,7 @@ def sensitivities(
         names = None if parameters is None else [part.strip() for part in parameters.split(",")]
         with Reporter(starts or scenario.solver.starts, quiet) as report:
             found = find(scenario, names, starts=starts, seed=seed, phase=phase, report=report)
-        finish(repr(found), found.save(folder), folder, quiet, found.table())
+        finish(repr(found), lambda: found.save(folder), folder, quiet, found.table())
         if not found.regular:
             complain("the answer is not regular; the table says why, and which derivatives hold")
             raise typer.Exit(NOT_REACHED)

@@ -24,4 +24,4 @@ def show(
     with clean_exit():
         found = open_study(store)
         folder = prepare_folder(out or store.parent)
-        finish(repr(found), found.save(folder), folder, quiet, found.table())
+        finish(repr(found), lambda: found.save(folder), folder, quiet, found.table())

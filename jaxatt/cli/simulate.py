@@ -52,7 +52,7 @@ def simulate(
 
         with Reporter(runs or 1, quiet) as report:
             result = run(flight, law, runs=runs, seed=seed, report=report)
-        finish(repr(result), result.save(folder), folder, quiet, flight_table(result))
+        finish(repr(result), lambda: result.save(folder), folder, quiet, flight_table(result))
         if not result.sound.all():
             failed = {words: len(rows) for words, rows in result.failures.items()}
             complain(

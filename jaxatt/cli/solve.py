@@ -14,6 +14,7 @@ from jaxatt.cli.common import (
     prepared,
     shortfall,
 )
+from jaxatt.cli.meanwhile import loading
 from jaxatt.cli.options import (
     FAILED_WHEELS,
     Cache,
@@ -37,6 +38,8 @@ from jaxatt.report.do_nothing import do_nothing_sentence
 from jaxatt.report.plots import Figures
 from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
+
+_AT_THE_END = ("h5netcdf", "xarray", "jaxatt.drawing.picture")
 
 
 def solve(
@@ -71,7 +74,7 @@ def solve(
         joining = Joining(coordinator, processes, process, join_timeout)
         scenario, folder = prepared(case, changes, out, joining)
         with Reporter(scenario.solver.starts, quiet or not writes()) as report:
-            result = find(scenario, report=report)
+            result = find(scenario, report=loading(report, _AT_THE_END))
         if writes():
             finish_result(result, folder, figures, quiet)
             if not result.reached:

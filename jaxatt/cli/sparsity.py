@@ -40,7 +40,7 @@ def sparsity(
                 scenario, [int(count) for count in counts], factors, starts, report
             )
         table = sparsity_table(study.to_dict())
-        finish(repr(study), study.save(folder), folder, quiet, table)
+        finish(repr(study), lambda: study.save(folder), folder, quiet, table)
 
 
 def _numbers(option: str, text: str) -> list[float]:

@@ -39,5 +39,6 @@ def grown(
     if of > 1:
         say(f"Task {task}/{of}: {found!r}; jaxatt merge joins the stores of all tasks")
     else:
-        finish(repr(found), [path, *found.save(path.parent)], path.parent, quiet, found.table())
+        folder = path.parent
+        finish(repr(found), lambda: [path, *found.save(folder)], folder, quiet, found.table())
     return found

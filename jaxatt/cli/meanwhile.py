@@ -1,0 +1,33 @@
+"""Load what a command needs at its end while it computes."""
+
+from __future__ import annotations
+
+import importlib
+import threading
+from contextlib import suppress
+
+from jaxatt.runtime.chunks import Report
+
+
+def loading(report: Report, modules: tuple[str, ...]) -> Report:
+    """A report of progress whose first call begins to load modules in a thread.
+
+    The first report comes when everything is traced, after which the interpreter is free for most
+    of the time.
+    """
+    thread = threading.Thread(target=_load, args=(modules,), daemon=True)
+    begun = threading.Event()
+
+    def told(stage: str, done: int) -> None:
+        if not begun.is_set():
+            begun.set()
+            thread.start()
+        report(stage, done)
+
+    return told
+
+
+def _load(modules: tuple[str, ...]) -> None:
+    for module in modules:
+        with suppress(ImportError):  # Whoever needs it says so.
+            importlib.import_module(module)
