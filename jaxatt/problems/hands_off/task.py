@@ -198,8 +198,9 @@ class SparseTask(ABC):
         Returns the verdict and the named parts of the printed cost, each (S,).
         """
 
-    def begin_verifying(self, pool: Executor) -> None:  # noqa: B027
-        """Compile what `verify` runs ahead, in threads of a pool, if it is much."""
+    def begin_verifying(self, pool: Executor, most: int) -> None:  # noqa: B027
+        """Compile what `verify` runs for one and for `most` controls ahead, in threads of a pool,
+        if it is much."""
 
     effort_name: str = ""
     """Unit of the effort; empty where it has none."""

@@ -23,8 +23,9 @@ from jaxatt.runtime.chunks import cores
 
 
 @contextmanager
-def compiled_ahead(task: SparseTask, method: Method) -> Iterator[None]:
-    """Start compiling what `decide`, `polish` and the flights run; wait for it at the end.
+def compiled_ahead(task: SparseTask, method: Method, count: int) -> Iterator[None]:
+    """Start compiling what `decide`, `polish` and the flights of `count` starts run; wait for it
+    at the end.
 
     Of slews by pulses to a target all of it, in the order in which it is needed; of others only the
     flights.
@@ -41,5 +42,5 @@ def compiled_ahead(task: SparseTask, method: Method) -> Iterator[None]:
                 form = Form(task.system, task.shared, kind, task.size)
                 longer = lengthened(task.system, lanes, needed, lengthening(task, kind))
                 begin_compiling(pool, solver, form, *longer, method.rows)
-        task.begin_verifying(pool)
+        task.begin_verifying(pool, count)
         yield

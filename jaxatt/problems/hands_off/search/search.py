@@ -91,7 +91,7 @@ def search(
         return chosen(task, found.starts, found.pool)
     scaled = None if guess is None else task.from_controls(guess)
     first = "l1" if task.goal.kind == "l1" else "l0"
-    with compiled_ahead(task, method(first, "")):
+    with compiled_ahead(task, method(first, ""), count):
         starts = _drawn(task, method(first, ""), count, seed, scaled)
         ended = from_starts(first)
     pool = ended

@@ -15,7 +15,7 @@ from jaxatt.environment.table import EnvironmentTable, Surroundings, tabulate
 from jaxatt.problems.manoeuvre import Grid
 from jaxatt.problems.pointing.watch import PathMonitor
 from jaxatt.runtime.arrays import Floats
-from jaxatt.runtime.chunks import CHUNK, in_chunks, rows_of_flights
+from jaxatt.runtime.chunks import in_chunks, rows_of_flights
 from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.lengths import held_on, rounded_up
 from jaxatt.simulation.flight import MINIMUM_SUBSTEPS, Trajectory, at_nodes, fly_torque
@@ -85,10 +85,10 @@ class SlewFlights:
             )
         return at_nodes(flown, self.steps) if watched else flown
 
-    def begin(self, pool: Executor, watched: bool) -> None:
-        """Compile ahead what `torques` runs."""
+    def begin(self, pool: Executor, watched: bool, most: int) -> None:
+        """Compile ahead what `torques` runs for one flight and for `most`."""
         count = (self.grid.intervals + self.grid.coast) * (self.steps if watched else 1)
-        for rows in (CHUNK, 1):
+        for rows in dict.fromkeys((rows_of_flights(most), rows_of_flights(1))):
             torque = np.zeros((rows, count, self.craft.actuators))
             _fly_many.begin(
                 pool, self.craft, self.start, *self._longer(torque, self._table(watched))

@@ -327,9 +327,9 @@ class SlewTask(SparseTask):
         torque = np.concatenate([self.wheel_torque(controls), self.thrust(controls)], axis=-1)
         return self.flights.torques(torque, self.watches, times)
 
-    def begin_verifying(self, pool: Executor) -> None:
-        """Compile ahead what `fly` runs."""
-        self.flights.begin(pool, self.watches)
+    def begin_verifying(self, pool: Executor, most: int) -> None:
+        """Compile ahead what `fly` runs for one and for `most` controls."""
+        self.flights.begin(pool, self.watches, most)
 
     def fly_pulses(self, pulses: Pulses, coarse: bool = False, times: int = 1) -> Trajectory:
         """Fly openings of valves at their exact times; see `SlewFlights.pulses`."""
