@@ -20,10 +20,10 @@ from jaxatt.optimize.dense.inputs import (
     box_of,
     counts_of,
     inner_of,
-    key_of,
     limits_of,
     loop_of,
     problem_of,
+    seed_of,
     starts_of,
 )
 from jaxatt.optimize.dense.solver import Case, DenseLagrangian
@@ -151,24 +151,27 @@ def minimize(
     limits = limits_of(tolerance, max_iterations, chosen)
     functions = Functions(objective, equality, inequality)
     solver = DenseLagrangian(limits, chosen)
-    m, p = counts_of(functions, begin[0], args)
-    root = key_of(key)
+    problem = problem_of(functions, begin[0], args)
+    m, p = counts_of(functions, begin[0], args, problem)
+    seed = seed_of(key)
     own = begin.shape[0]
     total = max(own, int(starts))
-    where = loop_of(loop, chosen, problem_of(functions, begin[0], args), total)
+    where = loop_of(loop, chosen, problem, total)
     run = _runner(where, solver, functions, Case(args, box), (m, p), total)
     ends: list[Any] = []
     for round_ in range(1 + _RESCUES):
         first = round_ * total
         index = np.arange(first, first + total)
-        draws = draw(begin, index, box, root)
+        draws = draw(begin, index, box, seed)
         ends.append(run(draws))
         status = ends[-1].status
-        if np.isin(status, (Status.CONVERGED, Status.UNBOUNDED)).any():
+        if ((status == Status.CONVERGED) | (status == Status.UNBOUNDED)).any():
             break
         if round_ > 0 and any((end.status == Status.FEASIBLE).any() for end in ends):
             break
-    return _answer(jax.tree.map(lambda *leaves: np.concatenate(leaves), *ends), m, p)
+    several = len(ends) > 1
+    every = jax.tree.map(lambda *leaves: np.concatenate(leaves), *ends) if several else ends[0]
+    return _answer(every, m)
 
 
 def _runner(
@@ -186,19 +189,17 @@ def _runner(
     return lambda draws: run_starts(solver, Plain(functions), draws, case, rows=total)
 
 
-def _answer(ends: Any, m: int, p: int) -> Minimum:
+def _answer(ends: Any, m: int) -> Minimum:
     found, status = ends.found, ends.status
     residuals = found.residuals
-    own = residuals.multipliers
+    own, bounds, n = residuals.multipliers, residuals.bounds, found.x.shape[1]
     every = MinimizeStarts(
         found.x,
         found.objective,
         status.astype(int),
         residuals.violation,
         residuals.stationarity,
-        KKTMultipliers(
-            own[:, :m], np.maximum(0.0, -own[:, m : m + p]), residuals.lower, residuals.upper
-        ),
+        KKTMultipliers(own[:, :m], np.maximum(0.0, -own[:, m:]), bounds[:, :n], bounds[:, n:]),
         ends.iterations.astype(int),
     )
     best = _best(every)

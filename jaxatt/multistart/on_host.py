@@ -29,7 +29,7 @@ def run_on_host(
     def own(some: Draws, _: Any) -> Any:
         with jax.default_device(device), np.errstate(all="ignore"):
             ends = [solver.run(program, Draws(*one), args) for one in zip(*some, strict=True)]
-        return jax.tree.map(lambda *leaves: np.stack(leaves), *ends)
+        return jax.tree.map(lambda *leaves: np.array(leaves), *ends)
 
     return shared(own, starts, None)
 

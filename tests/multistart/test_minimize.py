@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import jaxatt
-from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.constraints import Box
+from jaxatt.optimize.dense.inputs import seed_of
 from jaxatt.optimize.dense.start import draw
 from jaxatt.optimize.status import Status
 
@@ -108,9 +109,9 @@ def test_draws_depend_on_key_and_index_alone():
     np.testing.assert_array_equal(other.starts.x[0], found.starts.x[0])
     assert (np.abs(other.starts.x - found.starts.x).max(axis=1) > 1e-3).any()
     assert found.objective == found.starts.objective.min()
-    own = jnp.array([[1.0, 4.0]])
-    box = Box(jnp.array([-jnp.inf, -1.0]), jnp.array([jnp.inf, 5.0]))
-    few, more = (draw(own, jnp.arange(count), box, jax.random.key(0)).x0 for count in (3, 5))
+    own, seed = np.array([[1.0, 4.0]]), seed_of(jax.random.key(0))
+    box = Box(np.array([-np.inf, -1.0]), np.array([np.inf, 5.0]))
+    few, more = (draw(own, np.arange(count), box, seed).x0 for count in (3, 5))
     np.testing.assert_array_equal(few, more[:3])
     np.testing.assert_array_equal(few[0], own[0])
     assert len(np.unique(more[:, 0])) == 5

@@ -1,5 +1,8 @@
 """The loop on the host and the compiled one take the same steps; the host compiles little."""
 
+import gc
+import weakref
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,6 +10,8 @@ import pytest
 
 import jaxatt
 from jaxatt.optimize.dense import inputs
+from jaxatt.optimize.dense.called import REMEMBERED, CalledFunctions
+from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.trust_region import Spectrum, steps
 from jaxatt.optimize.status import Status
 
@@ -92,6 +97,28 @@ def test_many_starts_of_a_problem_are_compiled():
     while where(15) == "host":
         count += 15
     assert count >= 256 and where(1) == "compiled"
+
+
+def test_functions_of_problems_long_ago_are_let_go():
+    def bowl():
+        return lambda x: x @ x
+
+    def meet(functions):
+        problem = inputs.problem_of(functions, np.zeros(2), ())
+        inputs.loop_of("auto", "newton", problem, 1)
+        inputs.counts_of(functions, np.zeros(2), (), problem)
+        CalledFunctions(functions, 0, 0)
+
+    first = bowl()
+    assert jaxatt.minimize(first, [1.0, 2.0]).status is Status.CONVERGED
+    held = weakref.ref(first)
+    del first
+    gc.collect()
+    assert held() is not None
+    for _ in range(REMEMBERED):
+        meet(Functions(bowl()))
+    gc.collect()
+    assert held() is None
 
 
 @pytest.mark.parametrize("options", [{"loop": "device"}, {"loop": "host", "inner": "adam"}])

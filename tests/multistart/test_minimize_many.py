@@ -7,8 +7,8 @@ import scipy.optimize
 
 import jaxatt
 from jaxatt.optimize.dense.active_set import fit, newton_step
-from jaxatt.optimize.dense.functions import Local
-from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.constraints import Box, constraints_of
+from jaxatt.optimize.dense.local import Local
 from jaxatt.optimize.status import Status
 
 ROWS = 2000
@@ -56,7 +56,7 @@ def test_a_step_under_many_rows_solves_the_equations_of_those_that_bind(seed):
     root = rng.normal(size=(n, n))
     hessian, old = root @ root.T + np.eye(n), np.where(equal, 1.0, -1.0) * rng.uniform(size=q)
     box, one = Box(np.full(n, -1e9), np.full(n, 1e9)), np.float64(1.0)
-    x, y = newton_step(np.zeros(n), at, one, hessian, old, mu, box, equal)
+    x, y = newton_step(np.zeros(n), at, one, hessian, old, mu, constraints_of(box, 2, q - 2))
     binds = equal | (y < 0)
     assert binds.sum() > 2
     np.testing.assert_allclose(
@@ -71,6 +71,6 @@ def test_multipliers_that_fit_are_the_nearest_ones():
     jacobian, slope, old = rng.normal(size=(q, n)), rng.normal(size=n), rng.normal(size=q)
     at = Local(np.float64(0.0), np.zeros(q), slope, jacobian)
     box = Box(np.full(n, -np.inf), np.full(n, np.inf))
-    found = fit(at, old, np.zeros(n), box, np.ones(q, bool))
+    found = fit(at, old, np.zeros(n), constraints_of(box, q, 0))
     nearest = old - np.linalg.pinv(jacobian.T) @ (slope + jacobian.T @ old)
     np.testing.assert_allclose(found, nearest, atol=1e-9)

@@ -10,9 +10,9 @@ from jaxatt.multistart.driver import Plain, run_starts
 from jaxatt.optimize import features
 from jaxatt.optimize.augmented_lagrangian.outer import Schedule
 from jaxatt.optimize.augmented_lagrangian.solver import AugmentedLagrangian
+from jaxatt.optimize.dense.constraints import Box
 from jaxatt.optimize.dense.functions import Functions
 from jaxatt.optimize.dense.inputs import limits_of
-from jaxatt.optimize.dense.residuals import Box
 from jaxatt.optimize.dense.solver import Case, DenseLagrangian
 from jaxatt.optimize.dense.start import Draws
 from jaxatt.optimize.interior_point.method import InteriorPoint

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 from jax import Array
 
-from jaxatt.optimize.dense.arrays import certain, namespace
+from jaxatt.optimize.dense.arrays import certain, choose, namespace, no
 from jaxatt.optimize.dense.look import Look
 from jaxatt.optimize.dense.merit import Merit
-from jaxatt.optimize.dense.residuals import largest, violated
+from jaxatt.optimize.dense.residuals import largest
 from jaxatt.optimize.dense.state import Phase, State
 from jaxatt.optimize.dense.task import Task
 
@@ -57,13 +57,15 @@ class Decision(NamedTuple):
 
     merit : the function to be lowered.  All others are () but multipliers (q,).
 
-    multipliers : those of the augmented Lagrangian.  newton : a step on the first-order
-    conditions comes next.  failed : the one on trial was no good.  turned : a restoration begins
-    or ends.  runaway : the augmented Lagrangian fell without limit.  retreats : not all is finite.
+    changed : the merit may be another one than that of the look.  multipliers : those of the
+    augmented Lagrangian.  newton : a step on the first-order conditions comes next.
+    failed : the one on trial was no good.  turned : a restoration begins or ends.
+    runaway : the augmented Lagrangian fell without limit.  retreats : not all is finite.
     settles : residuals below tolerance fall no more.  near : constraints hold for the size of x.
     """
 
     merit: Merit
+    changed: Array
     multipliers: Array
     penalty: Array
     goal: Array
@@ -93,8 +95,7 @@ class Decision(NamedTuple):
 def decide(task: Task, s: State, seen: Look) -> Decision:
     """Decide from the current point what the next step is for."""
     xp = namespace(s.x)
-    gradient = seen.merit.gradient(seen.at, seen.estimate)
-    reach = largest(s.x - task.box.project(s.x - gradient))
+    reach = largest(s.x - task.constraints.project(s.x - seen.gradient))
     most = xp.where(seen.restoring, 5 * task.limits.max_inner, task.limits.max_inner)
     exhausted = s.stuck | (s.inner >= most)
     outer = _update(task, s, seen, reach, exhausted)
@@ -105,28 +106,29 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
     # Where the augmented Lagrangian, not the programme, has no minimum: more penalty.
     size = largest(s.x)
     near = far <= task.limits.tolerance * xp.maximum(1.0, size)
-    runaway = (far > 1e4 * xp.maximum(1.0, s.violation)) | ((size > 1e12) & ~near)
+    runaway = (far > 1e4 * xp.maximum(1.0, s.violation)) | ((size > 1e12) & no(near))
     descending = s.phase == Phase.DESCENT
-    runaway = runaway & seen.finite & descending & ~near & (s.resets < _MOST_RESETS)
+    runaway = runaway & seen.finite & descending & no(near) & (s.resets < _MOST_RESETS)
 
     kept = seen.finite & seen.trying & (seen.total <= _NEWTON_SHRINKS * s.anchor.total)
-    newton = ((ended & ~hopeless) | kept) & ~seen.finishing
+    newton = ((ended & no(hopeless)) | kept) & no(seen.finishing)
     if task.first_order is not None:
         newton = newton & False
     phase = xp.where(newton, Phase.NEWTON, xp.where(seen.restoring, s.phase, Phase.DESCENT))
     phase = xp.where(hopeless, Phase.RESTORATION, phase)
     phase = xp.where(restoration.restored, Phase.DESCENT, phase)
     turned = hopeless | restoration.restored
-    multipliers = xp.where(turned, 0.0, outer.multipliers)
+    multipliers = choose(turned, xp.zeros_like(outer.multipliers), outer.multipliers)
     more = xp.minimum(100.0 * outer.penalty, _LARGEST_PENALTY)
     penalty = xp.where(runaway, more, outer.penalty)
 
     weight = xp.where(phase == Phase.RESTORATION, 0.0, 1.0)
-    used = xp.where(phase == Phase.RESTORATION, task.own_penalty, penalty)
-    used = xp.where(seen.finishing, xp.maximum(used, _PROBING_PENALTY), used)
-    held = xp.where(seen.finishing, seen.here.multipliers, multipliers)
+    used = choose(phase == Phase.RESTORATION, task.own_penalty, penalty)
+    used = choose(seen.finishing, xp.maximum(used, _PROBING_PENALTY), used)
+    held = choose(seen.finishing, seen.here.multipliers, multipliers)
     return Decision(
-        merit=Merit(weight, held, used, task.equal),
+        merit=Merit(weight, held, used, task.constraints.most),
+        changed=ended | turned | runaway | seen.finishing | seen.trying,
         multipliers=multipliers,
         penalty=penalty,
         goal=outer.goal,
@@ -137,14 +139,14 @@ def decide(task: Task, s: State, seen: Look) -> Decision:
         size=size,
         near=near,
         newton=newton,
-        failed=seen.trying & ~kept & ~seen.finishing,
+        failed=seen.trying & no(kept) & no(seen.finishing),
         turned=turned,
         hopeless=hopeless,
         infeasible=restoration.infeasible,
         gave_up=restoration.gave_up,
         runaway=runaway,
-        retreats=~seen.finite & ~seen.trying,
-        settles=(s.settled >= _SETTLED) & ~seen.finishing,
+        retreats=no(seen.finite) & no(seen.trying),
+        settles=(s.settled >= _SETTLED) & no(seen.finishing),
     )
 
 
@@ -152,40 +154,47 @@ def _update(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) ->
     """New multipliers, penalty and goal after an inner minimisation has ended."""
     xp = namespace(s.x)
     error, tolerance = seen.here.residuals, task.limits.tolerance
-    flat = (s.inner > 0) & (reach <= s.goal) & ~s.curved
+    flat = (s.inner > 0) & (reach <= s.goal) & no(s.curved)
     descending = s.phase == Phase.DESCENT
-    ended = seen.finite & descending & (flat | exhausted) & ~seen.finishing
-    far = largest(violated(seen.at.rows, task.equal))
+    ended = seen.finite & descending & (flat | exhausted) & no(seen.finishing)
+    far = largest(task.constraints.violated(seen.at.rows))
     well = (seen.met & (error.product <= tolerance)) | (far <= _SHRINKS_WELL * s.violation)
-    safe = xp.clip(seen.estimate, -_LARGEST_MULTIPLIER, _LARGEST_MULTIPLIER)
     steeper = xp.where(s.stalls >= _MOST_STALLS - 1, _GROWTH**2, _GROWTH)
-    growth = xp.where(ended & ~well, steeper, 1.0)
+    growth = xp.where(ended & no(well), steeper, 1.0)
     stalls = xp.where(ended, xp.where(well, 0, s.stalls + 1), s.stalls)
     goal = xp.maximum(_LEAST_GOAL, 0.1 * xp.minimum(s.goal, 10.0 * reach))
     return _Outer(
         ended=ended,
         far=far,
-        multipliers=xp.where(ended, safe, s.multipliers),
+        multipliers=_updated(s, seen, ended),
         penalty=xp.minimum(s.penalty * growth, _LARGEST_PENALTY),
         goal=xp.where(ended, goal, s.goal),
         stalls=stalls,
-        hopeless=ended & ~seen.met & (stalls >= _MOST_STALLS) & (far > 0.5 * s.violation),
+        hopeless=ended & no(seen.met) & (stalls >= _MOST_STALLS) & (far > 0.5 * s.violation),
     )
+
+
+def _updated(s: State, seen: Look, ended: Array) -> Array:
+    """Multipliers of the augmented Lagrangian, the first-order estimates where it has `ended`."""
+    if certain(no(ended)):
+        return s.multipliers
+    safe = namespace(s.x).clip(seen.estimate, -_LARGEST_MULTIPLIER, _LARGEST_MULTIPLIER)
+    return choose(ended, safe, s.multipliers)
 
 
 def _restoration(task: Task, s: State, seen: Look, reach: Array, exhausted: Array) -> _Restoration:
     """Whether a restoration has ended: back to the programme, or locally infeasible."""
     xp = namespace(s.x)
-    if certain(~seen.restoring):
+    if certain(no(seen.restoring)):
         return _Restoration(seen.restoring, seen.restoring, seen.restoring)
     violation = seen.here.residuals.violation
-    own = 1.0 / task.scale[1:]
-    amiss = xp.sqrt(xp.sum(violated(seen.at.rows * own, task.equal) ** 2))
+    own = 1.0 / task.scaling.rows[1:]
+    amiss = xp.sqrt(xp.sum(task.constraints.violated(seen.at.rows * own) ** 2))
     spread = xp.maximum(1.0, largest(seen.at.jacobian * own[:, None]))
     level = reach <= 1e-9 * amiss * spread
     at_it = seen.finite & seen.restoring
     restored = at_it & (violation <= 0.1 * task.limits.tolerance)
-    over = at_it & ~restored & ((level & (s.inner > 0) & ~s.curved) | exhausted)
-    infeasible = over & ~seen.met & (reach <= 1e-5 * amiss * spread)
-    gave_up = over & ~seen.met & ~infeasible & (s.restorations >= _MOST_RESTORATIONS)
-    return _Restoration(restored | (over & ~infeasible & ~gave_up), infeasible, gave_up)
+    over = at_it & no(restored) & ((level & (s.inner > 0) & no(s.curved)) | exhausted)
+    infeasible = over & no(seen.met) & (reach <= 1e-5 * amiss * spread)
+    gave_up = over & no(seen.met) & no(infeasible) & (s.restorations >= _MOST_RESTORATIONS)
+    return _Restoration(restored | (over & no(infeasible | gave_up)), infeasible, gave_up)

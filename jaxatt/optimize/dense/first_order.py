@@ -9,7 +9,7 @@ from jax import Array
 
 from jaxatt.optimize.dense import proposals
 from jaxatt.optimize.dense.arrays import choose
-from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.constraints import Constraints
 
 
 class FirstOrder:
@@ -35,12 +35,12 @@ class FirstOrder:
         state: Any,
         fresh: Array,
         radius: Array,
-        box: Box,
+        constraints: Constraints,
     ) -> tuple[Array, Any]:
         """Trial points (k, n) and the new state; fresh : () bool, drop the history."""
         state = choose(fresh, self._rule.init(x), state)
         free = jnp.where(fixed, 0.0, gradient)
         direction, state = self._rule.update(free, state, x)
         if not self._searches:
-            return box.project(x + direction)[None], state
-        return proposals.along(x, gradient, direction, fixed, radius, box), state
+            return constraints.project(x + direction)[None], state
+        return proposals.along(x, gradient, direction, fixed, radius, constraints), state

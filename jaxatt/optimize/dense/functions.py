@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize import features
-from jaxatt.optimize.dense.arrays import namespace
+from jaxatt.optimize.dense.merit import Merit
 
 Function = Callable[..., Any]
-
-_LARGEST_SLOPE = 100.0
-_SMALLEST_SCALE = 1e-8
 
 
 @dataclass(frozen=True)
@@ -54,9 +51,16 @@ class Functions:
         objective, equality, inequality = self.parts(x, args)
         return jnp.concatenate([objective[None], equality, inequality])
 
-    def many(self, points: Array, args: Any) -> Array:
-        """Stacked rows (k, 1 + q) at points (k, n)."""
-        return jax.vmap(lambda x: self.rows(x, args))(points)
+    def merits(self, points: Array, args: Any, scale: Array, merit: Merit) -> Array:
+        """Merit (k,) of the rows times `scale`, (1 + q,), at points (k, n).
+
+        It is inf where anything is not finite.
+        """
+        rows = jax.vmap(lambda x: self.rows(x, args))(points) * scale[None, :]
+        values = merit.value(rows[:, 0], rows[:, 1:], merit.estimate(rows[:, 1:]))
+        # A row that is not finite may pass for one that holds: XLA's maximum drops it.
+        all_of_it = values + jnp.sum(rows, axis=1) + jnp.sum(points, axis=1)
+        return jnp.where(jnp.isfinite(all_of_it), values, jnp.inf)
 
     def derivatives(self, x: Array, args: Any) -> tuple[Array, Array]:
         """Stacked rows (1 + q,) and their derivatives (1 + q, n)."""
@@ -65,6 +69,16 @@ class Functions:
     def hessian(self, x: Array, args: Any, weights: Array) -> Array:
         """Second derivatives (n, n) of the sum of rows with weights (1 + q,)."""
         return jax.hessian(lambda y: weights @ self.rows(y, args))(x)
+
+    def second_derivatives(self, x: Array, args: Any) -> tuple[Array, Array, Array]:
+        """Stacked rows, their first and their second derivatives, (1 + q, n, n)."""
+
+        def first(y: Array) -> tuple[Array, tuple[Array, Array]]:
+            rows, derivatives = self.derivatives(y, args)
+            return derivatives, (rows, derivatives)
+
+        second, (rows, derivatives) = jax.jacfwd(first, has_aux=True)(x)
+        return rows, derivatives, second
 
     def counts(self, x: Array, args: Any) -> tuple[int, int]:
         """Number of equalities and inequalities."""
@@ -84,34 +98,3 @@ def jacobian(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array
         return values, jax.vmap(lambda row: pullback(row)[0])(jnp.eye(count, dtype=x.dtype))
     values, push = jax.linearize(function, x)
     return values, jax.vmap(push)(jnp.eye(x.shape[0], dtype=x.dtype)).T
-
-
-class Local(NamedTuple):
-    """Scaled values and first derivatives at a point.
-
-    objective : ().  rows : (q,), equalities first.  slope : (n,), the objective's gradient.
-    jacobian : (q, n).
-    """
-
-    objective: Array
-    rows: Array
-    slope: Array
-    jacobian: Array
-
-    @property
-    def finite(self) -> Array:
-        """Whether all values and derivatives are finite."""
-        xp = namespace(self.rows)
-        own = [xp.all(xp.isfinite(leaf)) for leaf in self]
-        return own[0] & own[1] & own[2] & own[3]
-
-
-def scale_of(derivatives: Array) -> Array:
-    """Factors that limit the gradient of every row to 100, as IPOPT does.
-
-    derivatives : (1 + q, n) at the start.  Source: Waechter & Biegler (2006), section 3.8.
-    """
-    xp = namespace(derivatives)
-    steepest = xp.max(abs(derivatives), axis=1)
-    steepest = xp.where(xp.isfinite(steepest), steepest, 1.0)
-    return xp.maximum(_SMALLEST_SCALE, xp.minimum(1.0, _LARGEST_SLOPE / steepest))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Hashable
+from dataclasses import dataclass
 from typing import Any
 
 import jax
@@ -13,8 +14,9 @@ import numpy.typing as npt
 from jax import Array
 
 from jaxatt.optimize.augmented_lagrangian.inner import DENSE_NAMES
+from jaxatt.optimize.dense.called import REMEMBERED
+from jaxatt.optimize.dense.constraints import Box
 from jaxatt.optimize.dense.functions import Functions
-from jaxatt.optimize.dense.residuals import Box
 from jaxatt.optimize.dense.state import Limits
 
 Floats = npt.NDArray[np.float64]
@@ -97,27 +99,27 @@ def loop_of(loop: str, inner: str, problem: Hashable, starts: int) -> str:
         raise ValueError(f"loop = 'host': inner = {inner!r} is compiled; choose 'auto'")
     if loop != "auto":
         return loop
-    done = _ON_HOST.get(problem, 0)
-    if not exact or starts > _FEW_STARTS or done >= _WORTH_COMPILING:
+    known = _known(problem)
+    if not exact or starts > _FEW_STARTS or known.on_host >= _WORTH_COMPILING:
         return "compiled"
-    _ON_HOST[problem] = done + starts
+    known.on_host += starts
     return "host"
 
 
 @functools.cache
-def _first_key() -> Array:
-    return jax.random.key(0)
+def _first_seed() -> tuple[int, ...]:
+    return seed_of(jax.random.key(0))
 
 
-def key_of(key: Array | None) -> Array:
-    """Random key for drawing starts."""
+def seed_of(key: Array | None) -> tuple[int, ...]:
+    """Numbers of a random key, from which starts are drawn."""
     if key is None:
-        return _first_key()
+        return _first_seed()
     if not (isinstance(key, jax.Array) and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)):
         raise ValueError(f"key = {key!r}: must be a typed key, e.g. jax.random.key(0)")
     if key.shape != ():
         raise ValueError(f"key has shape {key.shape}: must be a single key, e.g. jax.random.key(0)")
-    return key
+    return tuple(np.asarray(jax.random.key_data(key)).ravel().tolist())
 
 
 def problem_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> Hashable:
@@ -126,15 +128,29 @@ def problem_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> Hashab
     return functions, x.shape, tree, tuple((np.shape(v), jnp.result_type(v)) for v in leaves)
 
 
-_SHAPES: dict[Hashable, tuple[int, int]] = {}
-_ON_HOST: dict[Hashable, int] = {}
-"""Starts of a problem that ran on the host because nothing else was asked for."""
+@dataclass
+class _Known:
+    """What is known of a problem.
+
+    counts : number of equalities and inequalities.  on_host : starts that ran on the host because
+    nothing else was asked for.
+    """
+
+    counts: tuple[int, int] | None = None
+    on_host: int = 0
 
 
-def counts_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> tuple[int, int]:
+@functools.lru_cache(REMEMBERED)
+def _known(problem: Hashable) -> _Known:
+    return _Known()
+
+
+def counts_of(
+    functions: Functions, x: Floats, args: tuple[Any, ...], problem: Hashable
+) -> tuple[int, int]:
     """Number of equalities and inequalities, after checking what the functions return."""
-    what = problem_of(functions, x, args)
-    if what not in _SHAPES:
+    known = _known(problem)
+    if known.counts is None:
         counts = []
         at = jax.eval_shape(lambda: jnp.zeros(x.shape))
         for name in ("objective", "equality", "inequality"):
@@ -156,5 +172,5 @@ def counts_of(functions: Functions, x: Floats, args: tuple[Any, ...]) -> tuple[i
                     f"{name} returns an array of shape {returned.shape}: must be {allowed}"
                 )
             counts.append(int(np.prod(returned.shape)))
-        _SHAPES[what] = (counts[1], counts[2])
-    return _SHAPES[what]
+        known.counts = (counts[1], counts[2])
+    return known.counts

@@ -7,40 +7,42 @@ from typing import NamedTuple
 from jax import Array
 
 from jaxatt.optimize.dense.arrays import namespace
-from jaxatt.optimize.dense.functions import Local
+from jaxatt.optimize.dense.local import Local
 
 
 class Merit(NamedTuple):
-    """Augmented Lagrangian with weight () of the objective, multipliers (q,) and penalty (q,).
+    """Augmented Lagrangian with weight () of the objective, multipliers (q,), penalty () or (q,).
 
-    equal : (q,) bool.  Weight 0, multipliers 0 and penalty 1 / scale^2 make it half the squared
-    violation in the constraints' own units.
+    most : (q,), the largest multipliers, inf of equalities and 0 of inequalities.  Weight 0,
+    multipliers 0 and penalty 1 / scale^2 make it half the squared violation in the constraints'
+    own units.
     """
 
     weight: Array
     multipliers: Array
     penalty: Array
-    equal: Array
+    most: Array
 
     def estimate(self, rows: Array) -> Array:
         """First-order multiplier estimates (q,) or (k, q), not positive of inequalities."""
-        xp = namespace(rows)
-        multipliers, penalty, equal = self.multipliers, self.penalty, self.equal
-        if rows.ndim == 2:
-            multipliers, equal = multipliers[None, :], equal[None, :]
-            penalty = penalty if penalty.ndim == 0 else penalty[None, :]
-        free = multipliers + penalty * rows
-        return xp.where(equal, free, xp.minimum(free, 0.0))
+        own = self._like(rows)
+        free = own.multipliers + own.penalty * rows
+        return namespace(rows).minimum(free, own.most)
 
-    def value(self, objective: Array, rows: Array) -> Array:
-        """Merit () at evaluated rows (q,), or (k,) at (k, q)."""
-        xp = namespace(rows)
-        old, penalty = self.multipliers, self.penalty
-        if rows.ndim == 2:
-            old, penalty = old[None, :], penalty if penalty.ndim == 0 else penalty[None, :]
-        shift = (self.estimate(rows) ** 2 - old**2) / (2.0 * penalty)
-        return self.weight * objective + xp.sum(shift, axis=-1)
+    def value(self, objective: Array, rows: Array, estimate: Array) -> Array:
+        """Merit () at evaluated rows (q,), or (k,) at (k, q), given the multiplier estimates."""
+        own = self._like(rows)
+        change, twice = estimate - own.multipliers, estimate + own.multipliers
+        shift = namespace(rows).sum(change * twice / own.penalty, axis=-1)
+        return self.weight * objective + 0.5 * shift
 
     def gradient(self, at: Local, estimate: Array) -> Array:
         """Gradient (n,) of the merit, given the multiplier estimate (q,)."""
-        return self.weight * at.slope + at.jacobian.T @ estimate
+        return self.weight * at.slope + estimate.dot(at.jacobian)
+
+    def _like(self, rows: Array) -> Merit:
+        """This merit, to be applied to rows (q,) or (k, q)."""
+        if rows.ndim == 1:
+            return self
+        penalty = self.penalty if self.penalty.ndim == 0 else self.penalty[None, :]
+        return Merit(self.weight, self.multipliers[None, :], penalty, self.most[None, :])

@@ -6,24 +6,13 @@ from typing import NamedTuple
 
 from jax import Array
 
-from jaxatt.optimize.dense.arrays import certain, namespace
-from jaxatt.optimize.dense.functions import Local
+from jaxatt.optimize.dense.arrays import namespace
+from jaxatt.optimize.dense.constraints import Constraints
+from jaxatt.optimize.dense.local import Local
+from jaxatt.optimize.dense.scaling import Scaling
 
 _USUAL_MULTIPLIER = 100.0
 _MOST_DIVISOR = 100.0
-
-
-class Box(NamedTuple):
-    """Bounds on the variables, (n,) each; -inf and inf where there is none."""
-
-    lower: Array
-    upper: Array
-
-    def project(self, x: Array) -> Array:
-        """The nearest point inside the bounds, of x (n,) or of each of (k, n)."""
-        xp = namespace(x)
-        lower, upper = (side if x.ndim == 1 else side[None, :] for side in self)
-        return xp.minimum(xp.maximum(x, lower), upper)
 
 
 class Residuals(NamedTuple):
@@ -31,97 +20,80 @@ class Residuals(NamedTuple):
 
     violation : largest violation of a constraint.  stationarity : the larger of the scaled
     gradient of the Lagrangian and the scaled complementarity.  product : the latter's part of
-    constraints, multiplier times value.  total : the largest of all.
+    constraints, multiplier times value.  total : the largest of all; inf where anything is not
+    finite.
     multipliers : (q,) of the stacked rows, those of inequalities not positive.
-    lower, upper : (n,), not negative.
+    bounds : (2n,) of the lower bounds, then of the upper ones, not negative.
     """
 
     violation: Array
     stationarity: Array
     product: Array
+    total: Array
     multipliers: Array
-    lower: Array
-    upper: Array
-
-    @property
-    def total(self) -> Array:
-        """Largest residual; inf where anything is not finite."""
-        xp = namespace(self.violation)
-        total = xp.maximum(self.violation, self.stationarity)
-        return xp.where(xp.isfinite(total), total, xp.inf)
-
-
-def violated(rows: Array, equal: Array) -> Array:
-    """Rows (q,) where they are violated, zero elsewhere; equal : (q,) bool."""
-    xp = namespace(rows)
-    return xp.where(equal, rows, xp.minimum(rows, 0.0))
+    bounds: Array
 
 
 def largest(values: Array) -> Array:
     """Largest magnitude; 0 for an empty array."""
-    xp = namespace(values)
-    return xp.max(abs(values), initial=0.0)
+    return _peak(abs(values))
 
 
-def _held(slope: Array, gap: Array) -> Array:
-    """Multiplier of a bound, where attributing the gradient to the bound reduces the residual."""
-    xp = namespace(slope)
-    push = xp.maximum(slope, 0.0)
-    safe = xp.where(xp.isfinite(gap), gap, 0.0)
-    blame = xp.isfinite(gap) & (safe * xp.maximum(1.0, push) < push)
-    return xp.where(blame, push, 0.0)
+def _peak(values: Array) -> Array:
+    """Largest of (k,) or (k, n) that are not negative; 0 for an empty array."""
+    return namespace(values).max(values, initial=0.0)
 
 
 def residuals(
-    at: Local,
-    multipliers: Array,
-    x: Array,
-    box: Box,
-    scale: Array,
-    unit: Array,
-    equal: Array,
+    at: Local, multipliers: Array, x: Array, constraints: Constraints, scaling: Scaling
 ) -> Residuals:
-    """Residuals of the first-order conditions at x, (n,), in units of `unit`, (n,).
+    """Residuals of the first-order conditions at x, (n,).
 
-    multipliers : (q,) of the scaled rows.  scale : (1 + q,).  The gradient is divided by
+    multipliers : (q,) of the scaled rows.  The gradient is divided by
     max(100, mean multiplier) / 100 and so are the products of complementarity, with the mean of
     all multipliers and of those of inequalities and bounds: Waechter & Biegler (2006), (5) and (6).
     Stricter than there: neither divisor exceeds 100 or the objective.
     Products with violated constraints count too, so that a constraint with a huge multiplier has
     to hold more tightly.
     """
-    xp = namespace(x)
-    rows = at.rows / scale[1:]
-    own = multipliers * scale[1:] / scale[0]
-    own = xp.where(equal, own, xp.minimum(own, 0.0))
-    slope = (at.slope + at.jacobian.T @ multipliers) / scale[0] / unit
-    lower_gap, upper_gap = (x - box.lower) * unit, (box.upper - x) * unit
-    bounds = xp.sum(xp.isfinite(box.lower)) + xp.sum(xp.isfinite(box.upper))
-    if certain(bounds == 0):
-        lower = upper = xp.zeros_like(slope)
-    else:
-        lower, upper = _held(slope, lower_gap), _held(-slope, upper_gap)
-    sided = xp.sum(abs(xp.where(equal, 0.0, own))) + xp.sum(lower) + xp.sum(upper)
-    every = sided + xp.sum(abs(xp.where(equal, own, 0.0)))
+    xp, m, (q, n) = namespace(x), constraints.equalities, at.jacobian.shape
+    rows = at.rows / scaling.rows[1:]
+    own = xp.minimum(multipliers * scaling.multipliers, constraints.most)
+    slope = (at.slope + multipliers.dot(at.jacobian)) / scaling.slope
+    held, gaps = _held(slope, x, constraints, scaling)
+    shares, bounds = abs(own), constraints.bounds
+    sided = xp.sum(shares[m:]) + xp.sum(held)
+    every = sided + xp.sum(shares[:m])
+    most = xp.minimum(_MOST_DIVISOR, xp.maximum(1.0, abs(at.objective / scaling.rows[0])))
 
-    def divisor(total: Array, count: Array, most: Array) -> Array:
+    def divisor(total: Array, count: Array) -> Array:
         mean = total / xp.maximum(1, count)
         return xp.clip(mean / _USUAL_MULTIPLIER, 1.0, most)
 
-    worth = xp.maximum(1.0, abs(at.objective / scale[0]))
-    most = xp.minimum(_MOST_DIVISOR, worth)
-    by_sided = divisor(sided, xp.sum(~equal) + bounds, most)
-    product = xp.maximum(
-        largest(xp.where(equal, 0.0, own * rows)) / by_sided,
-        largest(xp.where(equal, own * rows, 0.0)) / divisor(every, own.shape[0] + bounds, most),
-    )
-    gaps = xp.maximum(
-        largest(xp.where(lower > 0, lower * lower_gap, 0.0)),
-        largest(xp.where(upper > 0, upper * upper_gap, 0.0)),
-    )
-    apart = largest(xp.where(equal, 0.0, xp.minimum(xp.maximum(rows, 0.0), -own)))
-    steep = largest(slope - lower + upper)
-    steep = steep / divisor(every, own.shape[0] + bounds, most)
+    by_sided, by_every = divisor(sided, q - m + bounds), divisor(every, q + bounds)
+    products = abs(own * rows)
+    product = xp.maximum(_peak(products[m:]) / by_sided, _peak(products[:m]) / by_every)
+    apart = _peak(xp.minimum(xp.maximum(rows[m:], 0.0), -own[m:]))
+    steep = largest(slope - held[:n] + held[n:]) / by_every
     stationarity = xp.maximum(xp.maximum(steep, product), xp.maximum(gaps / by_sided, apart))
-    violation = largest(violated(rows, equal))
-    return Residuals(violation, stationarity, product, own, lower, upper)
+    violation = largest(constraints.violated(rows))
+    total = xp.maximum(violation, stationarity)
+    total = xp.where(xp.isfinite(total), total, xp.inf)
+    return Residuals(violation, stationarity, product, total, own, held)
+
+
+def _held(
+    slope: Array, x: Array, constraints: Constraints, scaling: Scaling
+) -> tuple[Array, Array]:
+    """Multipliers (2n,) of lower and upper bounds, and the largest product with a gap.
+
+    A bound has one where attributing the gradient to it reduces the residual.
+    """
+    xp, box = namespace(x), constraints.box
+    both = xp.concatenate([slope, -slope])
+    if constraints.unbounded:
+        return xp.zeros_like(both), xp.asarray(0.0)
+    gap = xp.concatenate([(x - box.lower) * scaling.unit, (box.upper - x) * scaling.unit])
+    push = xp.maximum(both, 0.0)
+    blame = gap * xp.maximum(1.0, push) < push
+    return xp.where(blame, push, 0.0), _peak(xp.where(blame, push * gap, 0.0))

@@ -24,11 +24,13 @@ from jax import Array
 
 from jaxatt.optimize import features
 from jaxatt.optimize.dense.advance import advance
-from jaxatt.optimize.dense.arrays import choose, namespace
+from jaxatt.optimize.dense.arrays import choose, namespace, no
 from jaxatt.optimize.dense.called import AnyFunctions
+from jaxatt.optimize.dense.constraints import Box, constraints_of
 from jaxatt.optimize.dense.decide import decide
 from jaxatt.optimize.dense.look import look
-from jaxatt.optimize.dense.residuals import Box, Residuals, largest, violated
+from jaxatt.optimize.dense.residuals import Residuals, largest
+from jaxatt.optimize.dense.scaling import scaling_of
 from jaxatt.optimize.dense.start import Beginning, Draws, begin
 from jaxatt.optimize.dense.state import (
     FIRST_GOAL,
@@ -110,12 +112,14 @@ class DenseLagrangian(Solver):
         return _ending(s, self.limits, began.unit)
 
     def _task(self, program: AnyFunctions, began: Beginning, args: Case) -> Task:
-        xp = namespace(began.x)
-        m, p = program.counts(began.x, args.values)
-        equal = xp.arange(m + p) < m
-        unit = began.unit
-        scaled = Box(args.box.lower / unit, args.box.upper / unit)
-        return Task(program, args.values, scaled, began.scale, unit, equal, self.limits, self.inner)
+        box, unit = args.box, began.unit
+        constraints = constraints_of(
+            Box(box.lower / unit, box.upper / unit), *program.counts(began.x, args.values)
+        )
+        scaling, own_penalty = scaling_of(unit, began.scale), 1.0 / began.scale[1:] ** 2
+        return Task(
+            program, args.values, constraints, scaling, own_penalty, self.limits, self.inner
+        )
 
 
 def _next(task: Task, s: State) -> State:
@@ -128,13 +132,13 @@ def _next(task: Task, s: State) -> State:
 def _first(task: Task, began: Beginning) -> State:
     """State before the first iteration."""
     xp, x = namespace(began.x), began.x / began.unit
-    no_rows, no_bounds = xp.zeros(task.equal.shape, x.dtype), xp.zeros_like(x)
+    no_rows, no_bounds = xp.zeros(began.rows.shape[0] - 1), xp.zeros(2 * x.shape[0])
     infinite = xp.asarray(xp.inf, x.dtype)
-    none, no = xp.asarray(0), xp.asarray(False)
-    unknown = Residuals(infinite, infinite, infinite, no_rows, no_bounds, no_bounds)
+    none, never = xp.asarray(0), xp.asarray(False)
+    unknown = Residuals(infinite, infinite, infinite, infinite, no_rows, no_bounds)
     blank = Record(x, no_rows, infinite, unknown)
-    rows = began.rows * task.scale
-    amiss = 0.5 * xp.sum(violated(rows[1:], task.equal) ** 2)
+    rows = began.rows * task.scaling.rows
+    amiss = 0.5 * xp.sum(task.constraints.violated(rows[1:]) ** 2)
     penalty = 10.0 * xp.maximum(1.0, abs(rows[0])) / xp.maximum(1.0, amiss)
     return State(
         x=x,
@@ -147,8 +151,8 @@ def _first(task: Task, began: Beginning) -> State:
         phase=xp.asarray(int(Phase.DESCENT)),
         anchor=Anchor(x, no_rows, infinite),
         inner=none,
-        stuck=no,
-        curved=no,
+        stuck=never,
+        curved=never,
         violation=infinite,
         stalls=none,
         resets=none,
@@ -156,7 +160,7 @@ def _first(task: Task, began: Beginning) -> State:
         escapes=none,
         retreats=none,
         settled=none,
-        finishing=no,
+        finishing=never,
         stationary=blank,
         feasible=blank,
         closest=blank,
@@ -172,11 +176,11 @@ def _ending(end: State, limits: Limits, unit: Array) -> Ending:
     converged = end.stationary.residuals.total <= limits.tolerance
     feasible = end.feasible.residuals.violation <= limits.tolerance
     unbounded = end.status == Status.UNBOUNDED
-    converged = converged & ~unbounded
+    converged = converged & no(unbounded)
     last = Status.ITERATION_LIMIT
     status = xp.where(end.status == RUNNING, last, end.status)
     status = xp.where(status == Status.CONVERGED, last, status)
-    status = xp.where(feasible & ~unbounded, Status.FEASIBLE, status)
+    status = xp.where(feasible & no(unbounded), Status.FEASIBLE, status)
     status = xp.where(converged, Status.CONVERGED, status)
     found = choose(feasible, end.feasible, end.closest)
     found = choose(unbounded, end.closest, found)

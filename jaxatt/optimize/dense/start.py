@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any, NamedTuple
 
 import jax
@@ -11,13 +12,14 @@ from jax import Array
 
 from jaxatt.optimize.dense.arrays import namespace, on_host
 from jaxatt.optimize.dense.called import AnyFunctions
-from jaxatt.optimize.dense.functions import scale_of
-from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.constraints import Box
+from jaxatt.optimize.dense.scaling import scale_of
 
 _INSIDE = 1e-2
 _PERTURBED = 14
 _LARGEST_UNIT = 1e6
 _BLOCK = 64
+_SIZES = 10.0 ** np.linspace(-4.0, 1.0, _PERTURBED)[:, None]
 
 Floats = npt.NDArray[np.float64]
 
@@ -64,63 +66,71 @@ def begin(functions: AnyFunctions, draws: Draws, args: Any, box: Box) -> Beginni
     x0 inside the box, x0 pushed off the bounds, x0 perturbed more and more.
     """
     xp = namespace(draws.x0)
-    candidates = xp.concatenate(
-        [box.project(draws.x0)[None], _inside(draws.x0, box)[None], draws.near]
-    )
-    x, rows, derivatives, finite = _first_finite(functions, candidates, args)
+    x, rows, derivatives, finite = _first_finite(functions, draws, args, box)
     size = xp.where(finite, xp.clip(abs(x), 1.0, _LARGEST_UNIT), 1.0)
     unit = 2.0 ** xp.floor(xp.log2(size))
     return Beginning(x, rows, unit, scale_of(derivatives * unit[None, :]), finite)
 
 
 def _first_finite(
-    functions: AnyFunctions, candidates: Array, args: Any
+    functions: AnyFunctions, draws: Draws, args: Any, box: Box
 ) -> tuple[Array, Array, Array, Array]:
     """The first finite candidate or the first of all, rows and derivatives, whether it is finite.
 
     The host evaluates no more candidates than it takes.
     """
-    xp = namespace(candidates)
+    xp, own = namespace(draws.x0), box.project(draws.x0)
 
     def finite(x: Array) -> tuple[Array, Array, Array, Array]:
         rows, derivatives = functions.derivatives(x, args)
         good = xp.all(xp.isfinite(x)) & xp.all(xp.isfinite(rows))
         return x, rows, derivatives, good & xp.all(xp.isfinite(derivatives))
 
-    if on_host(candidates):
-        tried = (finite(x) for x in candidates)
-        first = next(tried)
-        return first if first[3] else next((other for other in tried if other[3]), first)
-    every = jax.vmap(finite)(candidates)
+    def others() -> Array:
+        return xp.concatenate([_inside(draws.x0, box)[None], draws.near])
+
+    if on_host(own):
+        found = finite(own)
+        if found[3]:
+            return found
+        tried = (finite(x) for x in others())
+        return next((other for other in tried if other[3]), found)
+    every = jax.vmap(finite)(xp.concatenate([own[None], others()]))
     first = xp.argmax(every[3])
     x, rows, derivatives, good = (leaf[first] for leaf in every)
     return x, rows, derivatives, good
 
 
 @np.errstate(invalid="ignore")
-def draw(own: Floats, index: npt.NDArray[np.int64], box: Box, root: Array) -> Draws:
+def draw(own: Floats, index: npt.NDArray[np.int64], box: Box, seed: tuple[int, ...]) -> Draws:
     """Starts `index`, (S,): the user's own (k, n) first, drawn ones beyond.
 
     Drawn on the host, because JAX's random numbers take seconds to compile.
     """
     count, n = own.shape
-    seed = np.asarray(jax.random.key_data(root)).ravel()
     x0, near = np.empty((len(index), n)), np.empty((len(index), _PERTURBED, n))
-    size = 10.0 ** np.linspace(-4.0, 1.0, _PERTURBED)[:, None]
-    for block in np.unique(index // _BLOCK):
-        rng = np.random.default_rng([*seed, block])
-        here = np.flatnonzero(index // _BLOCK == block)
+    for block in range(int(index.min()) // _BLOCK, int(index.max()) // _BLOCK + 1):
+        normal, even, coin = _noise(seed, block, n)
+        here = (index // _BLOCK == block).nonzero()[0]
         rows = index[here] % _BLOCK
-        noise = rng.normal(size=(_BLOCK, 1 + _PERTURBED, n))[rows]
-        even, coin = rng.uniform(size=(_BLOCK, n))[rows], rng.uniform(size=(_BLOCK, 1))[rows]
-        base = own[index[here] % count]
+        start, noise = own[index[here] % count], normal[rows]
         mine = (index[here] < count)[:, None]
-        start = np.where(mine, base, _drawn(base, box, noise[:, 0], even, coin < 0.5))
+        if not mine.all():
+            drawn = _drawn(start, box, noise[:, 0], even[rows], coin[rows] < 0.5)
+            start = np.where(mine, start, drawn)
         x0[here] = start
         start = start[:, None, :]
-        around: Any = start + size * np.maximum(1.0, np.abs(start)) * noise[:, 1:]
+        around: Any = start + _SIZES * np.maximum(1.0, np.abs(start)) * noise[:, 1:]
         near[here] = _inside(around, box)
     return Draws(x0, near)  # type: ignore[arg-type]
+
+
+@functools.lru_cache(16)
+def _noise(seed: tuple[int, ...], block: int, n: int) -> tuple[Floats, Floats, Floats]:
+    """What the starts of a block are drawn from: normal, uniform, uniform."""
+    rng = np.random.default_rng([*seed, block])
+    normal = rng.normal(size=(_BLOCK, 1 + _PERTURBED, n))
+    return normal, rng.uniform(size=(_BLOCK, n)), rng.uniform(size=(_BLOCK, 1))
 
 
 def _drawn(

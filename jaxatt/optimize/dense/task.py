@@ -7,11 +7,14 @@ from typing import Any
 
 from jax import Array
 
-from jaxatt.optimize.dense.arrays import namespace
+from jaxatt.optimize.dense.arrays import certain, namespace
 from jaxatt.optimize.dense.called import AnyFunctions
+from jaxatt.optimize.dense.constraints import Constraints
 from jaxatt.optimize.dense.first_order import FirstOrder
-from jaxatt.optimize.dense.functions import Local
-from jaxatt.optimize.dense.residuals import Box, Residuals, residuals
+from jaxatt.optimize.dense.local import Local
+from jaxatt.optimize.dense.merit import Merit
+from jaxatt.optimize.dense.residuals import Residuals, residuals
+from jaxatt.optimize.dense.scaling import Scaling
 from jaxatt.optimize.dense.state import Limits
 
 
@@ -19,18 +22,16 @@ from jaxatt.optimize.dense.state import Limits
 class Task:
     """A programme with its scaling.
 
-    unit : (n,), what x is divided by.  scale : (1 + q,), what the rows are multiplied by.
-
-    box : bounds of the scaled x.  equal : (q,) bool.  inner : "newton", "gauss-newton", "lbfgs" or
+    constraints : with the bounds of the scaled x.  own_penalty : (q,), the penalty that makes
+    squared rows those of the constraints' own units.  inner : "newton", "gauss-newton", "lbfgs" or
     "adam".
     """
 
     functions: AnyFunctions
     args: Any
-    box: Box
-    scale: Array
-    unit: Array
-    equal: Array
+    constraints: Constraints
+    scaling: Scaling
+    own_penalty: Array
     limits: Limits
     inner: str
 
@@ -39,30 +40,34 @@ class Task:
         """The first-order minimiser, if one was asked for."""
         return FirstOrder(self.inner) if self.inner in FirstOrder.NAMES else None
 
-    def rows(self, points: Array) -> Array:
-        """Objective and constraints, stacked, (k, 1 + q), at points (k, n)."""
-        return self.functions.many(points * self.unit[None, :], self.args) * self.scale[None, :]
+    def merits(self, points: Array, merit: Merit) -> Array:
+        """Merit (k,) at points (k, n), inf where anything is not finite."""
+        scaling = self.scaling
+        points = points * scaling.unit[None, :]
+        return self.functions.merits(points, self.args, scaling.rows, merit)
 
-    @property
-    def own_penalty(self) -> Array:
-        """Penalty (q,) that makes squared rows those of the constraints' own units."""
-        return 1.0 / self.scale[1:] ** 2
+    def merit(self, x: Array, merit: Merit) -> Array:
+        """Merit () at one point (n,), for whose derivatives the host asks next."""
+        at, finite = self.local(x)
+        xp = namespace(x)
+        return xp.where(finite, merit.value(at.objective, at.rows, merit.estimate(at.rows)), xp.inf)
 
-    def local(self, x: Array) -> Local:
-        """Objective and constraints with their first derivatives."""
-        rows, derivatives = self.functions.derivatives(x * self.unit, self.args)
-        rows = rows * self.scale
-        derivatives = derivatives * self.scale[:, None] * self.unit[None, :]
-        return Local(rows[0], rows[1:], derivatives[0], derivatives[1:])
+    def local(self, x: Array) -> tuple[Local, Array]:
+        """Objective and constraints with their first derivatives, and whether all is finite."""
+        xp, scaling = namespace(x), self.scaling
+        rows, derivatives = self.functions.derivatives(x * scaling.unit, self.args)
+        rows, derivatives = rows * scaling.rows, derivatives * scaling.derivatives
+        finite = xp.all(xp.isfinite(rows)) & xp.all(xp.isfinite(derivatives))
+        return Local(rows[0], rows[1:], derivatives[0], derivatives[1:]), finite
 
     def hessian(self, x: Array, weight: Array, multipliers: Array) -> Array:
         """Second derivatives (n, n) of the Lagrangian, zero where they are not finite."""
-        xp = namespace(x)
-        shares = xp.concatenate([weight[None], multipliers]) * self.scale
-        hessian = self.functions.hessian(x * self.unit, self.args, shares)
-        hessian = hessian * self.unit[:, None] * self.unit[None, :]
-        return xp.where(xp.isfinite(hessian), hessian, 0.0)
+        xp, scaling = namespace(x), self.scaling
+        shares = xp.concatenate([weight[None], multipliers]) * scaling.rows
+        hessian = self.functions.hessian(x * scaling.unit, self.args, shares) * scaling.hessian
+        finite = xp.isfinite(hessian)
+        return hessian if certain(xp.all(finite)) else xp.where(finite, hessian, 0.0)
 
     def residuals(self, at: Local, multipliers: Array, x: Array) -> Residuals:
         """First-order conditions at x with multipliers (q,), in the user's units."""
-        return residuals(at, multipliers, x, self.box, self.scale, self.unit, self.equal)
+        return residuals(at, multipliers, x, self.constraints, self.scaling)

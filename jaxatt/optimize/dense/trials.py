@@ -6,29 +6,34 @@ from typing import Any, NamedTuple
 
 from jax import Array
 
-from jaxatt.optimize.dense import proposals
+from jaxatt.optimize.dense import arrays, proposals
 from jaxatt.optimize.dense.active_set import Step, newton_step
-from jaxatt.optimize.dense.arrays import certain, namespace
+from jaxatt.optimize.dense.arrays import certain, namespace, no, on_host
 from jaxatt.optimize.dense.decide import Decision
 from jaxatt.optimize.dense.look import Look
+from jaxatt.optimize.dense.merit import Merit
 from jaxatt.optimize.dense.state import State
 from jaxatt.optimize.dense.task import Task
 from jaxatt.optimize.dense.trust_region import spectrum_of
 
 _LEAST_PENALTY = 1e-2
+_NEARLY = 0.1
+"""Largest relative error of the expected fall of the merit with which a step is taken alone."""
 
 
 class _Points(NamedTuple):
     """Trial points.
 
-    points : (k, n), None where a step on the first-order conditions is certain.
-    reasoned : (k,) bool, those that are tried in every pass.
-    curved, uncertain : () bool, negative curvature here, perhaps negative.  newton : the step on
-    the first-order conditions.  method : state of a first-order minimiser.
+    points : (k, n), None where a step on the first-order conditions is certain.  values : (k,), the
+    merit there if it is known already.  expected : () fall of the merit with the Newton step, nan
+    where that is not to be taken alone.  curved, uncertain : () bool, negative curvature here,
+    perhaps negative.  newton : the step on the first-order conditions.  method : state of a
+    first-order minimiser.
     """
 
     points: Array | None
-    reasoned: Array
+    values: Array | None
+    expected: Array
     curved: Array
     uncertain: Array
     newton: Step | None
@@ -56,38 +61,73 @@ class Trial(NamedTuple):
 def try_out(task: Task, s: State, seen: Look, decision: Decision) -> Trial:
     """Evaluate the merit at all trial points at once and choose the lowest."""
     xp, at, merit = namespace(s.x), seen.at, decision.merit
-    no = xp.asarray(False)
-    nowhere = Trial(s.x, no, no, s.radius, no, None, s.method)
-    if certain(decision.stays & ~seen.finishing):
+    never = xp.asarray(False)
+    nowhere = Trial(s.x, never, never, s.radius, never, None, s.method)
+    if certain(decision.stays & no(seen.finishing)):
         return nowhere
-    estimate = merit.estimate(at.rows)
-    gradient = merit.gradient(at, estimate)
-    fixed = proposals.held(s.x, gradient, task.box)
+    if certain(no(decision.changed)):
+        estimate, gradient = seen.estimate, seen.gradient
+    else:
+        estimate = merit.estimate(at.rows)
+        gradient = merit.gradient(at, estimate)
+    fixed = proposals.held(s.x, gradient, task.constraints)
+    value = merit.value(at.objective, at.rows, estimate)
     if task.first_order is None:
-        proposed = _second_order(task, s, seen, decision, estimate, gradient, fixed)
+        proposed = _second_order(task, s, seen, decision, estimate, gradient, fixed, value)
     else:
         proposed = _first_order(task, s, decision, gradient, fixed)
     if proposed.points is None:
         return nowhere._replace(newton=proposed.newton)
-    rows = task.rows(proposed.points)
-    value = merit.value(at.objective, at.rows)
-    values = merit.value(rows[:, 0], rows[:, 1:])
-    # A row that is not finite may pass for one that holds: XLA's maximum drops it.
-    finite = xp.isfinite(values + xp.sum(rows, axis=1) + xp.sum(proposed.points, axis=1))
-    # Directions without a reason serve only where nothing else tells a saddle.
-    counts = finite & (proposed.reasoned | seen.finishing)
-    values = xp.where(counts, values, xp.inf)
+    points, values = proposed.points, proposed.values
+    if values is None:
+        points, values = _evaluated(task, s, seen, merit, fixed, value, proposed)
     best = xp.argmin(values)
-    x, lowest = proposed.points[best], values[best]
+    x, lowest = points[best], values[best]
     lowered = lowest < value - 1e-15 * xp.maximum(1.0, abs(value))
     if task.inner == "adam":
         lowered = xp.isfinite(lowest)
-    length = xp.sqrt((x - s.x) @ (x - s.x))
+    length = xp.sqrt((x - s.x).dot(x - s.x))
     radius = xp.where(lowered, xp.maximum(2.0 * length, 0.1 * s.radius), 0.1 * s.radius)
     radius = xp.clip(radius, 1e-8 * xp.maximum(1.0, decision.size), 1e30)
     drop = value - lowest
     downhill = proposed.uncertain & (drop > 1e-7 * xp.maximum(1.0, abs(value)))
     return Trial(x, lowered, downhill, radius, proposed.curved, proposed.newton, proposed.method)
+
+
+def _evaluated(
+    task: Task,
+    s: State,
+    seen: Look,
+    merit: Merit,
+    fixed: Array,
+    value: Array,
+    proposed: _Points,
+) -> tuple[Array, Array]:
+    """All trial points (k, n) and the merit (k,) there, inf where they do not count.
+
+    Directions without a reason serve only where nothing else tells a saddle.
+    """
+    xp, points = namespace(s.x), proposed.points
+    assert points is not None
+    if task.first_order is not None or certain(no(seen.finishing)):
+        values = task.merits(points, merit)
+    else:
+        probes = proposals.probes(s.x, fixed, s.radius, task.constraints)
+        reasoned = len(points)
+        points = xp.concatenate([points, probes])
+        counts = seen.finishing | (xp.arange(len(points)) < reasoned)
+        values = xp.where(counts, task.merits(points, merit), xp.inf)
+    if task.first_order is None and not on_host(values):
+        # The host looks at the Newton step before there are others.
+        first = _as_expected(value - values[proposals.NEWTON], proposed.expected)
+        others = xp.arange(len(points)) != proposals.NEWTON
+        values = xp.where(first & others, xp.inf, values)
+    return points, values
+
+
+def _as_expected(fall: Array, expected: Array) -> Array:
+    """Whether the merit falls as the quadratic model says, so that nothing else need be tried."""
+    return abs(fall - expected) <= _NEARLY * expected
 
 
 def _second_order(
@@ -98,36 +138,54 @@ def _second_order(
     estimate: Array,
     gradient: Array,
     fixed: Array,
+    value: Array,
 ) -> _Points:
     xp, at, merit, multipliers = namespace(s.x), seen.at, decision.merit, decision.multipliers
-    n = s.x.shape[0]
-    in_hessian = xp.where(decision.newton, multipliers, estimate)
+    in_hessian = arrays.choose(decision.newton, multipliers, estimate)
     if task.inner == "gauss-newton":
         in_hessian = xp.zeros_like(in_hessian)
     hessian = task.hessian(s.x, merit.weight, in_hessian)
-    binding = xp.where(task.equal | (estimate < 0), merit.penalty, 0.0)
-    full = hessian + at.jacobian.T @ (binding[:, None] * at.jacobian)
-    spectrum = spectrum_of(full, ~fixed)
+    binds = task.constraints.equal | (estimate < 0)
+    (jacobian,) = arrays.rows_where(binds, at.jacobian)
+    if merit.penalty.ndim == 0:
+        full = hessian + merit.penalty * jacobian.T.dot(jacobian)
+    else:
+        (penalty,) = arrays.rows_where(binds, merit.penalty)
+        full = hessian + (jacobian * penalty[:, None]).T.dot(jacobian)
+    spectrum = spectrum_of(full, fixed)
     lowest = spectrum.values[0]
     steepest = xp.max(abs(xp.diag(full)), initial=1.0)
     curved = lowest < -1e-9 * steepest
-    shift = xp.where(curved, -1.1 * lowest, 0.0)
     most = 1.0 / xp.max(merit.penalty, initial=_LEAST_PENALTY)
+    if not certain(no(curved)):
+        shift = xp.where(curved, -1.1 * lowest, 0.0)
+        hessian = hessian + shift * xp.eye(s.x.shape[0], dtype=s.x.dtype)
     newton = newton_step(
         s.x,
         at,
         merit.weight,
-        hessian + shift * xp.eye(n, dtype=s.x.dtype),
+        hessian,
         multipliers,
         xp.where(decision.newton, xp.clip(seen.total, 1e-10, most), most),
-        task.box,
-        task.equal,
+        task.constraints,
     )
+    unknown, uncertain = xp.asarray(xp.nan), lowest <= 1e-7 * steepest
     if certain(decision.newton):
-        return _Points(None, curved, curved, curved, newton, s.method)
-    points = proposals.second_order(s.x, gradient, spectrum, fixed, newton.x, s.radius, task.box)
-    reasoned = xp.arange(points.shape[0]) < points.shape[0] - proposals.PROBES
-    return _Points(points, reasoned, curved, lowest <= 1e-7 * steepest, newton, s.method)
+        return _Points(None, None, unknown, curved, uncertain, newton, s.method)
+    move = newton.x - s.x
+    expected = -move.dot(gradient + 0.5 * full.dot(move))
+    # The first pass of every inner minimisation looks around.
+    alone = (expected > 0) & (s.inner > 0) & no(curved | seen.finishing)
+    expected = xp.where(alone, expected, xp.nan)
+    if certain(alone):
+        there = task.merit(newton.x, merit)
+        if certain(_as_expected(value - there, expected)):
+            points, values = newton.x[None], there[None]
+            return _Points(points, values, expected, curved, uncertain, newton, s.method)
+    points = proposals.second_order(
+        s.x, gradient, spectrum, fixed, newton.x, s.radius, task.constraints
+    )
+    return _Points(points, None, expected, curved, uncertain, newton, s.method)
 
 
 def _first_order(
@@ -136,8 +194,7 @@ def _first_order(
     assert task.first_order is not None
     fresh = decision.ended | decision.turned | decision.runaway | (s.inner == 0)
     points, method = task.first_order.propose(
-        s.x, gradient, fixed, s.method, fresh, s.radius, task.box
+        s.x, gradient, fixed, s.method, fresh, s.radius, task.constraints
     )
-    xp = namespace(s.x)
-    no = xp.asarray(False)
-    return _Points(points, xp.ones(points.shape[0], bool), no, no, None, method)
+    never = namespace(s.x).asarray(False)
+    return _Points(points, None, never, never, never, None, method)

@@ -11,10 +11,10 @@ from typing import NamedTuple
 from jax import Array
 
 from jaxatt.optimize.dense import arrays
-from jaxatt.optimize.dense.arrays import namespace
+from jaxatt.optimize.dense.arrays import certain, namespace, no
 
 _CORRECTIONS = 8
-_SETTLED = 1e-8
+_SETTLED = 1e-4
 _SMALLEST_SHIFT = 1e-16
 
 
@@ -25,15 +25,21 @@ class Spectrum(NamedTuple):
     vectors: Array
 
 
-def spectrum_of(hessian: Array, free: Array) -> Spectrum:
-    """Eigenvalues of a symmetric matrix on the free variables, (n,) bool; held ones come last."""
+def spectrum_of(hessian: Array, fixed: Array) -> Spectrum:
+    """Eigenvalues of a symmetric matrix on the variables that are not fixed, (n,) bool.
+
+    Those of fixed variables come last.
+    """
     xp = namespace(hessian)
+    finite = xp.isfinite(hessian)
+    if certain(no(xp.any(fixed)) & xp.all(finite)):
+        return Spectrum(*arrays.eigh(hessian))
+    free = no(fixed)
     coupled = free[:, None] & free[None, :]
-    finite = xp.where(coupled & xp.isfinite(hessian), hessian, 0.0)
+    finite = xp.where(coupled & finite, hessian, 0.0)
     above = 2.0 * xp.max(xp.sum(abs(finite), axis=1)) + 1.0
     held = xp.where(free, 0.0, above)
-    values, vectors = arrays.eigh(0.5 * (finite + finite.T) + xp.diag(held))
-    return Spectrum(values, vectors)
+    return Spectrum(*arrays.eigh(finite + xp.diag(held)))
 
 
 def steps(gradient: Array, spectrum: Spectrum, radii: Array) -> Array:
@@ -45,35 +51,40 @@ def steps(gradient: Array, spectrum: Spectrum, radii: Array) -> Array:
     """
     xp = namespace(gradient)
     values, vectors = spectrum
-    parts = vectors.T @ gradient
+    parts = gradient.dot(vectors)
     lowest = xp.maximum(0.0, -values[0])
     least = 1e-3 * lowest * radii
     lead = xp.where(parts[0] < 0, -1.0, 1.0) * xp.maximum(abs(parts[0]), least)
-    others = xp.broadcast_to(parts[1:], (radii.shape[0], parts.shape[0] - 1))
-    nudged = xp.concatenate([lead[:, None], others], axis=1)
-    above = (values + lowest)[None, :]
+    nudged = parts[None, :] + (lead - parts[0])[:, None] * xp.eye(1, parts.shape[0])
+    above, ones = (values + lowest)[None, :], xp.ones(parts.shape[0])
 
-    def step(shift: Array) -> tuple[Array, Array, Array]:
-        """Step along the eigenvectors, its length, and the length's fall with the shift."""
+    def step(shift: Array) -> tuple[Array, Array, Array, Array]:
+        """Step along the eigenvectors, its square, its length, and the curvature."""
         curvature = xp.maximum(above + shift[:, None], 1e-300)
-        step = -nudged / curvature
-        square = step**2
-        length = xp.sqrt(xp.sum(square, axis=1))
-        return step, length, xp.sum(square / curvature, axis=1) / (length + 1e-300)
+        step = nudged / curvature
+        square = step * step
+        return step, square, xp.sqrt(square.dot(ones)), curvature
 
-    smallest = _SMALLEST_SHIFT * (xp.sqrt(parts @ parts) + least) / radii + 1e-300
+    at_most, _, length, _ = step(0.0 * radii)
+    interior = (values[0] > 0) & (length <= radii)
+    if certain(xp.all(interior)):
+        return -(at_most.dot(vectors.T))
+    smallest = _SMALLEST_SHIFT * (xp.sqrt(parts.dot(parts)) + least) / radii + 1e-300
 
     def correct(shift: Array) -> Array:
         """Newton's method on 1 / length, which is concave: from below it never goes too far."""
-        _, length, fall = step(shift)
+        _, square, length, curvature = step(shift)
+        fall = (square / curvature).dot(ones) / (length + 1e-300)
         change = (length / radii - 1.0) * length / (fall + 1e-300)
         return xp.maximum(shift + change, smallest)
 
     def settled(old: Array, new: Array) -> Array:
-        return xp.all(abs(new - old) <= _SETTLED * new)
+        return xp.all(new - old <= _SETTLED * new)
 
-    # No part of the step may be longer than the whole.
-    shift = xp.maximum(xp.max(abs(nudged) / radii[:, None] - above, axis=1), smallest)
+    # From below: no part of the step may be longer than the radius, nor the whole step if all
+    # curvature were as large as the largest.
+    parted = xp.max(abs(nudged) / radii[:, None] - above, axis=1)
+    whole = xp.sqrt((nudged * nudged).dot(ones)) / radii - above[0, -1]
+    shift = xp.maximum(xp.maximum(parted, whole), smallest)
     shift = arrays.repeat(_CORRECTIONS, correct, shift, settled)
-    interior = (values[0] > 0) & (step(0.0 * radii)[1] <= radii)
-    return step(xp.where(interior, 0.0, shift))[0] @ vectors.T
+    return -(step(xp.where(interior, 0.0, shift))[0].dot(vectors.T))

@@ -11,8 +11,8 @@ import numpy as np
 from jax import Array
 from jax.flatten_util import ravel_pytree
 
+from jaxatt.optimize.dense.constraints import Box
 from jaxatt.optimize.dense.functions import Functions
-from jaxatt.optimize.dense.residuals import Box
 from jaxatt.optimize.sensitivity.conditions import Condensed, Conditions
 from jaxatt.optimize.sensitivity.elimination import factored, solved
 

@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from jaxatt.optimize.dense.residuals import Box
+from jaxatt.optimize.dense.constraints import Box
 from jaxatt.problems.hands_off.sparse_program import SparseSystem
 from jaxatt.runtime.arrays import Flags, Floats
 
