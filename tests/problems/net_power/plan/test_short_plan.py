@@ -255,6 +255,7 @@ def test_across_a_task_the_wheels_are_held_to_their_speeds_where_it_ends(sequenc
     np.testing.assert_allclose(rows[-6:], expected, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_each_date_is_the_plan_of_that_date(sequence):
     scenario = scenarios.from_mapping(short_plan())
     own = scenario.orbit.days
