@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 import jaxatt
 from jaxatt import scenarios
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.optimised]
 
 STARTS = 8  # as in the notebook, whose compiled programs these share
 SLEWS = ["hypso1-45-0-0", "hypso1-90-0-0", "hypso1-90-45-15", "hypso1-75-50-15"]

@@ -7,7 +7,7 @@ import re
 import pytest
 from pages_of_docs import DOCS, pages
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.optimised]
 
 VERDICT = re.compile(r"^  (status|active intervals|final time \[s\]) +(.+)$|^(\d+) settled", re.M)
 

@@ -31,7 +31,7 @@ CASES = {
 }
 """Slews are disturbed, and wheels store momentum where time counts."""
 LONG = ("printed cost", "net power")
-SLOW = (*LONG, "moving-l0", "l1", "time and effort")
+SLOW = (*LONG, "moving-l0", "l1", "thrusters", "time and effort")
 GIVEN = {
     "disturbances.sinusoidal_torque_Nm": 1,
     "objective.epsilon_Nm": 1,

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from notebook_runs import complaints, outputs, printed, run_notebook
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.optimised]
 
 PROBE = """
 import json

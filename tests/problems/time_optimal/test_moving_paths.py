@@ -110,7 +110,7 @@ def any_turn(rng):
 @pytest.mark.slow
 def test_turns_of_any_vehicle_are_found():
     rng = np.random.default_rng(7)
-    for _ in range(15):
+    for _ in range(8):
         found = search_free_time(build_time_task(any_turn(rng)), 8, 0)
         assert found.reached[found.best]
         assert found.reached.sum() >= 4

@@ -255,17 +255,18 @@ def test_across_a_task_the_wheels_are_held_to_their_speeds_where_it_ends(sequenc
     np.testing.assert_allclose(rows[-6:], expected, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_each_date_is_the_plan_of_that_date(sequence):
     scenario = scenarios.from_mapping(short_plan())
     own = scenario.orbit.days
-    year = plan_year(scenario, np.array([own - 60.0, own, own + 60.0]))
+    year = plan_year(scenario, np.array([own, own + 60.0]))
     assert year.reached
     # The same starts in another batch: the flights agree to what the solver leaves.
-    assert year.total[1] == pytest.approx(energy_of(sequence.phases).net, abs=0.05)
+    assert year.total[0] == pytest.approx(energy_of(sequence.phases).net, abs=0.05)
     alone = planned({"orbit.epoch": "2023-05-13T09:35:11Z", **SIGHTLESS})
-    np.testing.assert_allclose(year.total[2], energy_of(alone.phases).net, atol=0.05)
+    np.testing.assert_allclose(year.total[1], energy_of(alone.phases).net, atol=0.05)
     base = sum(net_power(p).energy.baseline for p in alone.phases[::2])
-    assert year.baseline[2] == pytest.approx(base, abs=0.05)
+    assert year.baseline[1] == pytest.approx(base, abs=0.05)
 
 
 @pytest.mark.slow
