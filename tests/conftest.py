@@ -58,7 +58,7 @@ FIRST = (
     "test_timed_cases.py",
     "test_net_power_sensitivities.py",
     "test_failed_wheel_cases.py",
-    "test_tutorial_runs.py",
+    "test_page_runs.py",
     "test_design.py",
     "test_solve.py",
     "test_certify.py",
