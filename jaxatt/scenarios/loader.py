@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems import registry
+from jaxatt.problems.family import Family
 from jaxatt.problems.reading.attitudes import replaced_by
-from jaxatt.problems.reading.checking import refuse
 from jaxatt.problems.reading.documents import read_file
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.file_format import format_of, scenario_faults
 from jaxatt.problems.reading.wheel_axes import other_mounting
@@ -44,8 +45,17 @@ def from_mapping(
         Where a vehicle's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    refuse(scenario_faults(plain, origin, registry.families()))
-    return format_of(plain, origin, registry.families()).read(plain, origin, folder)
+    faults = Faults(scenario_faults(plain, origin, registry.families()))
+    family = faults.of(format_of, plain, origin, registry.families())
+    scenario = faults.of(_read, family, plain, origin, folder, faults)
+    faults.refuse()
+    return scenario
+
+
+def _read(
+    family: Family, plain: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+) -> Scenario:
+    return family.read(plain, origin, folder, faults)
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

@@ -8,12 +8,14 @@ from typing import Any
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.reading.aims import read_goal, read_state
 from jaxatt.problems.reading.directions import Sky
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.wheel_bias import TOLERANCE, read_bias
 from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon
+from jaxatt.runtime.arrays import Floats
 from jaxatt.spacecraft import ReactionWheels, Spacecraft
 
 
@@ -23,12 +25,20 @@ def nearest_whole(value: float) -> int:
 
 
 def read_initial(
-    data: Any, origin: str, vehicle: Spacecraft, notes: list[str], sky: Sky
+    data: Any, origin: str, vehicle: Spacecraft, notes: list[str], sky: Sky, faults: Faults
 ) -> InitialState:
-    """Read the initial state of a spacecraft; sky : what its attitude may be told by."""
-    table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
-    speeds = read_wheel_speeds(table, vehicle.wheels)
-    return InitialState(*read_state(table, notes, sky, 0.0), speeds)
+    """Read the initial state of a spacecraft; sky : what its attitude may be told by.
+
+    Without a fault in it; `faults` has those that are found, and `vehicle` or `sky` may have some.
+    """
+    table = faults.of(Table, data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
+    speeds = faults.of(read_wheel_speeds, table, vehicle.wheels)
+    state = faults.of(read_state, table, notes, sky, 0.0)
+    return faults.of(_initial, state, speeds)
+
+
+def _initial(state: tuple[Floats, Floats], speeds: Floats) -> InitialState:
+    return InitialState(*state, speeds)
 
 
 def read_targets(
@@ -55,12 +65,23 @@ def read_targets(
         raise ScenarioError(
             f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
         )
-    return tuple(
-        read_target(
-            phase, origin, f"[[legs]] no. {leg}", notes, sky, leg * first, leg * last, wheels
+    faults = Faults()
+    targets = tuple(
+        faults.of(
+            read_target,
+            phase,
+            origin,
+            f"[[legs]] no. {leg}",
+            notes,
+            sky,
+            leg * first,
+            leg * last,
+            wheels,
         )
         for leg, phase in enumerate(phases, 1)
     )
+    faults.refuse()
+    return targets
 
 
 def read_target(

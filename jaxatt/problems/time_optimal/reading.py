@@ -12,9 +12,10 @@ import numpy as np
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading import manoeuvre, settings
 from jaxatt.problems.reading.directions import Sky
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.free_time import read_final_time
-from jaxatt.problems.reading.heading import read_heading
+from jaxatt.problems.reading.heading import Heading, read_heading
 from jaxatt.problems.reading.moments import moments_of
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
@@ -51,27 +52,36 @@ _ELSEWHERE = {
 }
 
 
-def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+def read_time_optimal(
+    document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, SPACECRAFT_TABLES, _PRINTED)
-    if "other_target" in heading.printed:
-        manoeuvre.read_target(
-            heading.printed["other_target"], origin, "[printed.other_target]", [], Sky()
-        )
+    heading = faults.of(read_heading, document, origin, SPACECRAFT_TABLES, _PRINTED)
+    faults.of(_check_printed, heading, origin)
     notes: list[str] = []
-    vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
-    objective = _read_objective(document["objective"], origin, vehicle)
-    _check_document(document, origin, notes)
-    horizon = _read_horizon(document["horizon"], origin)
+    vehicle = faults.of(read_vehicle, faults.table(document, "vehicle"), origin, folder, notes)
+    torque = faults.or_else(faults.of(largest_torque_limit, vehicle), _TORQUE_LIMIT)
+    objective = faults.of(_read_objective, document["objective"], origin, torque)
+    faults.of(_check_document, document, origin, notes)
+    horizon = faults.of(_read_horizon, faults.table(document, "horizon"), origin)
     sky = Sky(
         folder=folder,
-        without_orbit=f"kind = {objective.kind} is solved without an orbit, in the inertial frame: "
-        "give direction_inertial or right_ascension_deg",
+        without_orbit=f"kind = {document['objective']['kind']} is solved without an orbit, in the "
+        "inertial frame: give direction_inertial or right_ascension_deg",
     )
-    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon, vehicle.wheels)
-    control = _read_control(document.get("control", {}), origin)
-    initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes, sky)
-    _check_storable(origin, vehicle, initial, targets[0])
+    targets = faults.of(
+        manoeuvre.read_targets, document, origin, notes, sky, horizon, vehicle.wheels
+    )
+    control = faults.of(_read_control, document.get("control", {}), origin)
+    initial = manoeuvre.read_initial(
+        faults.table(document, "initial"), origin, vehicle, notes, sky, faults
+    )
+    faults.of(_check_storable, origin, vehicle, initial, targets)
+    transcription = faults.of(_read_transcription, document.get("transcription", {}), origin)
+    pointing = faults.of(
+        read_pointing, document, origin, notes, sky, horizon.shortest, horizon.longest
+    )
+    faults.refuse()
     scenario = Scenario(
         **vars(heading),
         family="time-optimal",
@@ -85,12 +95,19 @@ def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None
         document=document,
         origin=origin,
         folder=folder,
-        transcription=_read_transcription(document.get("transcription", {}), origin),
-        pointing=read_pointing(document, origin, notes, sky, horizon.shortest, horizon.longest),
+        transcription=transcription,
+        pointing=pointing,
     )
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario
+
+
+def _check_printed(heading: Heading, origin: str) -> None:
+    if "other_target" in heading.printed:
+        manoeuvre.read_target(
+            heading.printed["other_target"], origin, "[printed.other_target]", [], Sky()
+        )
 
 
 def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
@@ -100,27 +117,35 @@ def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) 
     """
     objective = Table(document["objective"], origin, "[objective]", SPACECRAFT_TABLES["objective"])
     kind = objective.text("kind")
+    faults = Faults()
     for name, reason in _ELSEWHERE.items():
         if name in document:
-            raise ScenarioError(f"{origin}: {name}: not with kind = {kind}; {reason}, drop it")
-    if objective.choice("terminal") == "penalty":
-        objective.fail("terminal", f"kind = {kind} always reaches", 'use "reach" or leave it out')
-    for key in _SPARSE_KEYS:
-        if key in objective:
-            objective.fail(key, "belongs to the sparse objectives", f"drop it for kind = {kind}")
+            faults.add(
+                ScenarioError(f"{origin}: {name}: not with kind = {kind}; {reason}, drop it")
+            )
+    faults.of(_check_objective, objective, kind)
+    faults.refuse()
     if kind == "minimum-time" and "effort_weight" in objective:
         notes.append("[objective] effort_weight is not used by kind = minimum-time")
 
 
-def _read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
+def _read_objective(data: Any, origin: str, torque: float) -> Objective:
     table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
     kind = table.choice("kind")
-    usual = _DEFAULT_WEIGHT * (_TORQUE_LIMIT / largest_torque_limit(vehicle)) ** 2
+    usual = _DEFAULT_WEIGHT * (_TORQUE_LIMIT / torque) ** 2
     weight = table.number("effort_weight", usual)
     return Objective(
         kind=kind,
         effort_weight=weight if kind == "time-effort" else 0.0,
     )
+
+
+def _check_objective(table: Table, kind: str) -> None:
+    if table.choice("terminal") == "penalty":
+        table.fail("terminal", f"kind = {kind} always reaches", 'use "reach" or leave it out')
+    for key in _SPARSE_KEYS:
+        if key in table:
+            table.fail(key, "belongs to the sparse objectives", f"drop it for kind = {kind}")
 
 
 def _read_horizon(data: Any, origin: str) -> Horizon:
@@ -166,14 +191,14 @@ def _read_control(data: Any, origin: str) -> Control:
 
 
 def _check_storable(
-    origin: str, vehicle: Spacecraft, initial: InitialState, target: Target
+    origin: str, vehicle: Spacecraft, initial: InitialState, targets: tuple[Target, ...]
 ) -> None:
     """Refuse wheel speed limits that cannot hold the momentum that is left at the target.
 
     Without external torques the total momentum stays as it is in the inertial frame, and with the
     target's attitude and rate what the wheels must hold then is known.  Raises `ScenarioError`.
     """
-    wheels = vehicle.wheels
+    wheels, (target, *_) = vehicle.wheels, targets
     known = target.boresight is None  # otherwise what is left depends on the roll that is found
     if vehicle.thrusters.count or not known or not np.isfinite(wheels.speed_limit).any():
         return

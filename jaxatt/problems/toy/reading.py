@@ -12,6 +12,7 @@ from jaxatt.problems.hands_off.reading.objective import PRINTED, check_free_time
 from jaxatt.problems.hands_off.reading.windows import read_windows
 from jaxatt.problems.manoeuvre import InitialState, Target
 from jaxatt.problems.reading import settings
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.heading import read_heading
 from jaxatt.problems.scenario import Control, Objective, Scenario
@@ -20,13 +21,16 @@ from jaxatt.problems.toy.tables import TOY_TABLES
 _NO_ATTITUDE = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-def read_toy(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+def read_toy(
+    document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, TOY_TABLES, PRINTED)
-    objective = _read_objective(document.get("objective", {}), origin)
-    horizon = settings.read_horizon(document["horizon"], origin)
-    check_free_time(document, origin, horizon, objective)
-    windows = read_windows(document.get("windows", []), origin, horizon)
+    heading = faults.of(read_heading, document, origin, TOY_TABLES, PRINTED)
+    objective = faults.of(_read_objective, document.get("objective", {}), origin)
+    horizon = faults.of(settings.read_horizon, faults.table(document, "horizon"), origin)
+    faults.of(check_free_time, document, origin, horizon, objective)
+    windows = faults.of(read_windows, document.get("windows", []), origin, horizon)
+    faults.refuse()
     notes: list[str] = []
     if objective.kind == "moving-l0" and all(window.forbidden for window in windows):
         notes.append("moving-l0 without a cheap window is the same as l0; add [[windows]]")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from jaxatt.problems.net_power.baseline import PDBaseline
 from jaxatt.problems.net_power.options import Weights
@@ -12,10 +12,17 @@ from jaxatt.problems.scenario import Objective
 from jaxatt.spacecraft import Spacecraft
 
 
-def read_objective(
-    data: Any, origin: str, craft: Spacecraft, free_time: bool
-) -> tuple[Objective, str, str, Weights]:
-    """Read [objective]: what every objective has, wheel power, cost and weights."""
+class EnergyObjective(NamedTuple):
+    """What every objective has, the form of the wheels' power, the cost and its weights."""
+
+    objective: Objective
+    wheel_power: str
+    cost: str
+    weights: Weights
+
+
+def read_objective(data: Any, origin: str, craft: Spacecraft, free_time: bool) -> EnergyObjective:
+    """Read [objective]."""
     table = Table(data, origin, "[objective]", NET_POWER_TABLES["objective"])
     table.choice("kind")
     terminal = table.choice("terminal")
@@ -41,7 +48,7 @@ def read_objective(
     attitude, rate = (table.number(key) if terminal == "penalty" else 0.0 for key in asked)
     weights = Weights(attitude, rate, table.number("time_weight_W_s"))
     wheel_power = table.choice("wheel_power")
-    return Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights
+    return EnergyObjective(Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights)
 
 
 def read_baseline(data: Any, origin: str, craft: Spacecraft) -> PDBaseline | None:
