@@ -11,6 +11,7 @@ What a page may hold, besides words:
   right after it holds what they print;
 - blocks of `python` run in one namespace;
 - `<!-- not run: REASON -->` before a block leaves it alone;
+- `<!-- ends with: 3 -->` before it says how its calls end;
 - `<!-- in tests: COMMAND --option value; ... -->` before it makes tests call a command with less
   to do;
 - `<!-- figure: FILE -->` before a picture says which file of the run it is.
@@ -28,7 +29,7 @@ import re
 import shlex
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,7 +39,7 @@ DOCS = Path(__file__).parent
 SATELLITE = DOCS / "tutorials" / "satellite.md"
 
 BLOCK = re.compile(
-    r"^(?:<!-- (?P<mark>not run|in tests|file): (?P<said>.+?) -->\n+)?"
+    r"^(?:<!-- (?P<mark>not run|ends with|in tests|file): (?P<said>.+?) -->\n+)?"
     r"```(?P<language>\w*)\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
@@ -77,6 +78,11 @@ class Block:
         """Lines that say something, continued ones joined."""
         lines = (line.strip() for line in self.text.replace("\\\n", " ").splitlines())
         return [line for line in lines if line and not line.startswith("#")]
+
+    @property
+    def code(self) -> int:
+        """The exit code of its calls."""
+        return int(self.said) if self.mark == "ends with" else 0
 
     def less(self, command: str) -> list[str]:
         """The words that tests add to calls of a command."""
@@ -119,7 +125,7 @@ def run(page: str, less: bool = False) -> Iterator[tuple[Block, str]]:
 
     less : do only what tests need.
 
-    Raises `RuntimeError` where a command ends with another code than 0.
+    Raises `RuntimeError` where a command ends with another code than 0, or than the page says.
     """
     names: dict[str, Any] = {}
     for block in blocks(page):
@@ -130,14 +136,14 @@ def run(page: str, less: bool = False) -> Iterator[tuple[Block, str]]:
                 exec(compile(block.text, "page", "exec"), names)
             else:
                 for line in block.lines:
-                    call(line, block if less else None)
+                    call(line, block.code, block.less if less else lambda command: [])
         yield block, printed.getvalue()
 
 
-def call(line: str, block: Block | None = None) -> None:
+def call(line: str, code: int, more: Callable[[str], list[str]]) -> None:
     """Call the command line in this process, as a shell would with a line of a page.
 
-    block : its marks for tests are heeded.
+    code : with which it ends.  more : the words that are added to those of a command.
     """
     from jaxatt.cli import main
 
@@ -146,7 +152,7 @@ def call(line: str, block: Block | None = None) -> None:
     if words[:1] != ["jaxatt"]:
         raise RuntimeError(f"{line}: only calls of jaxatt are run; mark the block as not run")
     words = [name for word in words for name in sorted(glob.glob(word)) or [word]]
-    words += block.less(words[1]) if block else []
+    words += more(words[1])
     with (
         mock.patch.object(sys, "argv", words),
         mock.patch.dict(os.environ, COLUMNS="96"),
@@ -156,7 +162,7 @@ def call(line: str, block: Block | None = None) -> None:
         try:
             main()
         except SystemExit as ended:
-            if ended.code:
+            if (ended.code or 0) != code:
                 raise RuntimeError(f"{line}: exit code {ended.code}") from None
 
 

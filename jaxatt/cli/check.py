@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from jaxatt.cli.common import BAD_INPUT, clean_exit, refused, say
+from jaxatt.problems.reading.checking import refuse
 from jaxatt.problems.reading.documents import read_file
-from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.studies.file_kinds import faults_of, kind_of_document
 
@@ -44,9 +44,8 @@ def _described(path: Path) -> str:
     """What a file describes; raises `ScenarioError` with all that is told of its faults."""
     document = read_file(path)
     kind = kind_of_document(document)
-    faults = Faults(faults_of(document, str(path), kind))
-    loaded: Any = faults.of(pkgutil.resolve_name(_LOADERS[kind]), path)
-    faults.refuse()
+    refuse(faults_of(document, str(path), kind, path.parent))
+    loaded: Any = pkgutil.resolve_name(_LOADERS[kind])(path)
     title = getattr(loaded, "title", None) or document.get("title", loaded.name)
     objective = getattr(loaded, "objective", None)
     of = f' of kind "{objective.kind}"' if objective is not None else ""

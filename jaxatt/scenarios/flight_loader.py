@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from jaxatt.problems.reading import manoeuvre
 from jaxatt.problems.reading.checking import find_faults
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch, read_epoch
@@ -18,6 +20,7 @@ from jaxatt.problems.reading.names import check_folder_name, read_name
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.printed import read_printed
 from jaxatt.problems.reading.vehicles import read_vehicle
+from jaxatt.problems.reading.wheel_speeds import read_initial_speeds
 from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
@@ -58,8 +61,10 @@ def _read(data: dict[str, Any], origin: str, folder: Path | None, faults: Faults
     orbit = faults.of(_covering, data, origin, orbit, timing)
     around = faults.of(flight_tables.read_environment, data.get("environment", {}), origin, orbit)
     sky = faults.of(_sky, orbit, folder, around)
-    initial = manoeuvre.read_initial(
-        faults.table(data, "initial"), origin, vehicle, notes, sky, faults
+    start = faults.table(data, "initial")
+    speeds = faults.of(read_initial_speeds, start, origin, vehicle.wheels)
+    initial = faults.of(
+        manoeuvre.read_initial, start, origin, notes, sky, faults.or_else(speeds, np.zeros(0))
     )
     asked = faults.of(
         flight_tables.read_reference, data.get("reference", {}), origin, initial, notes, sky, timing

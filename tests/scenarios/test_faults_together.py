@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import random
+import subprocess
+import sys
 import tomllib
+from pathlib import Path
 
 import pytest
 
@@ -102,3 +106,50 @@ def test_faults_together_are_those_of_each(name: str) -> None:
     some = random.Random(name).sample(sorted(alone), 2)
     together = messages(name, {key: FAULTS[name][key] for key in some})
     assert together == set().union(*(alone[key] for key in some))
+
+
+WITHOUT_JAX = """
+import json, sys
+from pathlib import Path
+sys.modules["jax"] = None  # importing it raises
+from jaxatt.problems.reading.documents import read_file
+from jaxatt.studies.file_kinds import faults_of, kind_of_document
+found = {}
+for path in map(Path, sys.argv[1:]):
+    document = read_file(path)
+    faults = faults_of(document, path.name, kind_of_document(document), path.parent)
+    found[path.stem] = [str(fault) for fault in faults]
+print(json.dumps(found))
+"""
+
+
+def test_most_faults_are_told_without_jax(tmp_path: Path) -> None:
+    """Four or more of each file, in the words of the loader; none of files without a fault."""
+    files = []
+    for name, changes in FAULTS.items():
+        document = tomllib.loads(scenarios.text(name))
+        for key, value in changes.items():
+            assign(document, key, value)
+        files.append(tmp_path / f"{name}.toml")
+        files[-1].write_text(toml(document), encoding="utf-8")
+    good = tmp_path / "good.toml"
+    good.write_text(scenarios.text("hypso2-orbit"), encoding="utf-8")
+    command = [sys.executable, "-c", WITHOUT_JAX, *map(str, files), str(good)]
+    told = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    assert told.pop("good") == []
+    for name, faults in told.items():
+        assert len(faults) >= 4, name
+        assert set(faults) <= messages(name, FAULTS[name])
+
+
+def toml(table: dict) -> str:
+    """A document as TOML, its tables inline."""
+    return "\n".join(f"{key} = {inline(value)}" for key, value in table.items())
+
+
+def inline(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(k)} = {inline(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(inline, value)) + "]"
+    return repr(value) if isinstance(value, float) else json.dumps(value)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
 from jaxatt.problems.reading.checking import find_faults
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.keys import Choice, Key, TableKey
 from jaxatt.problems.reading.schema import (
@@ -21,13 +23,15 @@ from jaxatt.problems.reading.schema import (
 class FileFormat:
     """Values of `system` and of `objective.kind` that a family answers to, and its TOML tables.
 
-    The first kind is the default.
+    The first kind is the default.  parts : reads what takes no computing; its arguments are those
+    of `Family.read`, and remarks before the faults.
     """
 
     name: str
     systems: tuple[str, ...]
     kinds: tuple[str, ...]
     tables: Mapping[str, TableKey]
+    parts: Callable[[dict[str, Any], str, Path | None, list[str], Faults], object]
 
 
 class Formatted(Protocol):

@@ -10,34 +10,23 @@ from jaxatt.problems.reading.aims import read_goal, read_state
 from jaxatt.problems.reading.directions import Sky
 from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
-from jaxatt.problems.reading.free_time import refuse_seconds
+from jaxatt.problems.reading.free_time import nearest_whole, refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.wheel_bias import TOLERANCE, read_bias
-from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon
 from jaxatt.runtime.arrays import Floats
-from jaxatt.spacecraft import ReactionWheels, Spacecraft
-
-
-def nearest_whole(value: float) -> int:
-    """Return the nearest whole number, halves upward (Python's round takes the even one)."""
-    return math.floor(value + 0.5)
+from jaxatt.spacecraft import ReactionWheels
 
 
 def read_initial(
-    data: Any, origin: str, vehicle: Spacecraft, notes: list[str], sky: Sky, faults: Faults
+    data: Any, origin: str, notes: list[str], sky: Sky, speeds: Floats
 ) -> InitialState:
-    """Read the initial state of a spacecraft; sky : what its attitude may be told by.
+    """Read the initial state of a spacecraft.
 
-    Without a fault in it; `faults` has those that are found, and `vehicle` or `sky` may have some.
+    sky : what its attitude may be told by.  speeds : (n,) [rad/s], of the wheels.
     """
-    table = faults.of(Table, data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
-    speeds = faults.of(read_wheel_speeds, table, vehicle.wheels)
-    state = faults.of(read_state, table, notes, sky, 0.0)
-    return faults.of(_initial, state, speeds)
-
-
-def _initial(state: tuple[Floats, Floats], speeds: Floats) -> InitialState:
+    table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
+    state = read_state(table, notes, sky, 0.0)
     return InitialState(*state, speeds)
 
 

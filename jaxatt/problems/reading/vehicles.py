@@ -20,8 +20,9 @@ from jaxatt.problems.reading.vehicle_actuators import (
 from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part, split
 from jaxatt.problems.reading.vehicle_power import read_battery, read_loads, read_panels
 from jaxatt.problems.reading.wheel_axes import other_mounting
-from jaxatt.spacecraft import FieldError, Spacecraft, create
+from jaxatt.spacecraft.checks import FieldError
 from jaxatt.spacecraft.inertia import checked_inertia
+from jaxatt.spacecraft.parts.vehicle import Spacecraft, create
 
 
 def _folder() -> Traversable:

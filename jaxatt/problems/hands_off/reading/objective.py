@@ -9,7 +9,7 @@ from typing import Any
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.tables.objective import SPARSE_KINDS
-from jaxatt.problems.scenario import Horizon, Objective
+from jaxatt.problems.scenario_parts import Horizon, Objective
 
 _TORQUE_LIMIT, _EPSILON, _SPARSITY_WEIGHT = 3e-3, 1e-8, 1e1
 """Of the wheels [N m], relaxation [N m] and k3 of Schaanning (2021), section 5.1 and table 5.1."""

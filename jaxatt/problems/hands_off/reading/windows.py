@@ -7,10 +7,9 @@ from typing import Any
 from jaxatt.problems.hands_off.windows import interval_mask
 from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
-from jaxatt.problems.reading.free_time import refuse_seconds
-from jaxatt.problems.reading.manoeuvre import nearest_whole
+from jaxatt.problems.reading.free_time import nearest_whole, refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import Horizon, Window
+from jaxatt.problems.scenario_parts import Horizon, Window
 
 # A time on the edge of the horizon must not be refused for the rounding of its last digit.
 _TIME_TOLERANCE = 1e-9

@@ -1,15 +1,14 @@
-"""Read the objective of a scenario of net power, and the law that it is compared with."""
+"""Read the objective of a scenario of net power."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from jaxatt.problems.net_power.baseline import PDBaseline
-from jaxatt.problems.net_power.options import Weights
 from jaxatt.problems.net_power.reading.tables import KIND, NET_POWER_TABLES
+from jaxatt.problems.net_power.weights import Weights
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.scenario import Objective
-from jaxatt.spacecraft import Spacecraft
+from jaxatt.problems.scenario_parts import Objective
+from jaxatt.spacecraft.parts.vehicle import Spacecraft
 
 
 class EnergyObjective(NamedTuple):
@@ -49,19 +48,3 @@ def read_objective(data: Any, origin: str, craft: Spacecraft, free_time: bool) -
     weights = Weights(attitude, rate, table.number("time_weight_W_s"))
     wheel_power = table.choice("wheel_power")
     return EnergyObjective(Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights)
-
-
-def read_baseline(data: Any, origin: str, craft: Spacecraft) -> PDBaseline | None:
-    """Read [baseline], the PD law to compare with; None where there is none."""
-    if data is None:
-        return None
-    table = Table(data, origin, "[baseline]", NET_POWER_TABLES["baseline"])
-    if not craft.wheels.count:
-        table.fail(next(iter(table.data), "attitude_gain_Nm"), "it needs wheels", "drop [baseline]")
-    return PDBaseline(
-        proportional=table.number("attitude_gain_Nm"),
-        derivative=table.number("rate_gain_Nm_s"),
-        hold=table.number("hold_s") if "hold_s" in table else None,
-        turn_back=table.number("turn_back_s"),
-        nearest_to=table.choice("nearest_to"),
-    )
