@@ -10,25 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading.file_format import FileFormat
-from jaxatt.problems.reading.keys import (
-    Choice,
-    Each,
-    Either,
-    Flag,
-    Key,
-    Matrix,
-    Number,
-    Numbers,
-    Rows,
-    TableKey,
-    Text,
-    Texts,
-    Whole,
-)
+from jaxatt.problems.reading.keys import Either, Key, Schema, TableKey
 from jaxatt.problems.reading.schema import SPACECRAFT, scenario_keys, unit_of
 from jaxatt.studies.file_kinds import FORMATS, OTHERS
-
-Schema = dict[str, Any]
 
 KINDS = ("manoeuvre", *OTHERS)
 """Kinds of files that have a schema."""
@@ -37,9 +21,6 @@ FOLDER = Path(__file__).parent.parent / "scenarios" / "schemas"
 
 _KEYWORDS = ("properties", "additionalProperties", "items", "allOf", "anyOf", "oneOf")
 _DRAFT = "http://json-schema.org/draft-07/schema#"
-_NUMBER: Schema = {"type": "number"}
-_TEXT: Schema = {"type": "string", "pattern": r"\S"}
-_TRIPLE: Schema = {"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}
 
 
 def schema_of(kind: str) -> Schema:
@@ -135,44 +116,9 @@ def _described(key: str, declared: Key) -> Schema:
 
 def _value(declared: Key) -> Schema:
     """Schema of a value."""
-    match declared:
-        case Number():
-            return _bounds(declared.above, declared.at_least, declared.at_most)
-        case Whole():
-            return {"type": "integer", "minimum": declared.at_least, "maximum": declared.at_most}
-        case Flag():
-            return {"type": "boolean"}
-        case Text():
-            return _TEXT
-        case Texts():
-            return {"type": "array", "items": _TEXT, **_size(declared.size)}
-        case Choice():
-            return {"enum": list(declared.options)}
-        case Numbers():
-            items = _bounds(declared.above)
-            return {"type": "array", "items": items, **_size(declared.size)}
-        case Each():
-            least = None if declared.signed else 0.0
-            item = _bounds(at_least=least) if declared.zero else _bounds(least)
-            return {"anyOf": [item, {"type": "array", "items": item, "minItems": 1}]}
-        case Rows():
-            return {"type": "array", "items": _TRIPLE, "minItems": 1}
-        case Matrix():
-            return {"type": "array", "items": _TRIPLE, **_size(3)}
-        case Either():
-            return {"anyOf": [_value(form) for form in declared.forms]}
-        case TableKey():
-            one = _table(declared)
-            return {"type": "array", "items": one} if declared.many else one
-    return {}
-
-
-def _bounds(
-    above: float | None = None, at_least: float | None = None, at_most: float | None = None
-) -> Schema:
-    found = {"exclusiveMinimum": above, "minimum": at_least, "maximum": at_most}
-    return {**_NUMBER, **{name: limit for name, limit in found.items() if limit is not None}}
-
-
-def _size(size: int | None) -> Schema:
-    return {} if size is None else {"minItems": size, "maxItems": size}
+    if isinstance(declared, TableKey):
+        one = _table(declared)
+        return {"type": "array", "items": one} if declared.many else one
+    if isinstance(declared, Either):
+        return {"anyOf": [_value(form) for form in declared.forms]}
+    return declared.schema()

@@ -7,4 +7,6 @@ from jaxatt.problems.reading.file_format import FileFormat
 from jaxatt.problems.reading.schema import SPACECRAFT, SPACECRAFT_TABLES
 from jaxatt.problems.reading.tables.objective import SPARSE_KINDS
 
-FORMAT = FileFormat("hands-off", (SPACECRAFT,), SPARSE_KINDS, SPACECRAFT_TABLES, read_parts)
+FORMAT = FileFormat(
+    "hands-off", "Sparse manoeuvres", (SPACECRAFT,), SPARSE_KINDS, SPACECRAFT_TABLES, read_parts
+)

@@ -21,10 +21,9 @@ def spare_cones(count: int) -> int:
     return -count % _APART
 
 
-def with_spare_cones(path: PointingPath) -> PointingPath:
-    """The same limits, with cones about no direction: their margins are positive, and fixed."""
+def with_spare_cones(path: PointingPath, more: int) -> PointingPath:
+    """The same limits, and more cones about no direction: their margins are positive, and fixed."""
     limits = path.limits
-    more = spare_cones(limits.count)
 
     def filled(leaf: Any, value: float, axis: int) -> Any:
         leaf = np.asarray(leaf)

@@ -23,11 +23,13 @@ from jaxatt.problems.reading.schema import (
 class FileFormat:
     """Values of `system` and of `objective.kind` that a family answers to, and its TOML tables.
 
-    The first kind is the default.  parts : reads what takes no computing; its arguments are those
-    of `Family.read`, and remarks before the faults.
+    The first kind is the default.  title : of such files, as pages show it.
+    parts : reads what takes no computing; its arguments are those of `Family.read`, and remarks
+    before the faults.
     """
 
     name: str
+    title: str
     systems: tuple[str, ...]
     kinds: tuple[str, ...]
     tables: Mapping[str, TableKey]

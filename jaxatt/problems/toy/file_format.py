@@ -8,5 +8,5 @@ from jaxatt.problems.toy.reading_parts import read_parts
 from jaxatt.problems.toy.tables import TOY_TABLES
 
 FORMAT = FileFormat(
-    "toy", ("double-integrator", "van-der-pol"), SPARSE_KINDS, TOY_TABLES, read_parts
+    "toy", "Toy systems", ("double-integrator", "van-der-pol"), SPARSE_KINDS, TOY_TABLES, read_parts
 )
