@@ -41,6 +41,7 @@ ENOUGH = 1.5 * GIB
 """Memory of a worker beyond which it forgets what it has compiled, between two files."""
 
 FIRST = (
+    "test_page_runs.py",
     "test_net_power.py",
     "test_feedback_laws.py",
     "test_maximum_hands_off.py",
@@ -58,7 +59,6 @@ FIRST = (
     "test_timed_cases.py",
     "test_net_power_sensitivities.py",
     "test_failed_wheel_cases.py",
-    "test_page_runs.py",
     "test_design.py",
     "test_solve.py",
     "test_certify.py",

@@ -32,6 +32,7 @@ QUICK = {
     "docs/minimize.md",
     "docs/own-programmes.md",
     "docs/power.md",
+    "docs/tutorials/satellite.md",
 }
 """Pages that run within five seconds of processor time; the others are among the long studies."""
 

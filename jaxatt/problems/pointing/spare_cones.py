@@ -23,6 +23,8 @@ def spare_cones(count: int) -> int:
 
 def with_spare_cones(path: PointingPath, more: int) -> PointingPath:
     """The same limits, and more cones about no direction: their margins are positive, and fixed."""
+    if not more:
+        return path
     limits = path.limits
 
     def filled(leaf: Any, value: float, axis: int) -> Any:
