@@ -6,7 +6,6 @@ In draft 7, which editors of TOML (Taplo, Even Better TOML) read.
 from __future__ import annotations
 
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading.file_format import FileFormat
@@ -16,8 +15,6 @@ from jaxatt.studies.file_kinds import FORMATS, OTHERS
 
 KINDS = ("manoeuvre", *OTHERS)
 """Kinds of files that have a schema."""
-FOLDER = Path(__file__).parent.parent / "scenarios" / "schemas"
-"""Where the schemas stand in the package, for editors to find."""
 
 _KEYWORDS = ("properties", "additionalProperties", "items", "allOf", "anyOf", "oneOf")
 _DRAFT = "http://json-schema.org/draft-07/schema#"
@@ -49,11 +46,6 @@ def _shared(found: Any, name: str, definitions: Schema) -> Any:
     while definitions.setdefault(f"{name}-{number}", inner) != inner:
         number += 1
     return {**told, "allOf": [{"$ref": f"#/definitions/{name}-{number}"}]}
-
-
-def schema_line(kind: str) -> str:
-    """First line of a file of a kind, for editors; empty for one that has no schema."""
-    return f"#:schema {(FOLDER / f'{kind}.json').as_uri()}\n" if kind in KINDS else ""
 
 
 def _scenario() -> Schema:
