@@ -15,6 +15,7 @@ from jaxatt import scenarios
 from jaxatt.problems.reading.fields import ScenarioError, ScenarioErrors
 from jaxatt.scenarios.flight_loader import flight_from_mapping
 from jaxatt.scenarios.loader import assign, from_mapping
+from jaxatt.studies.file_kinds import faults_of
 
 BAD_WINDOW = {"first_interval": 5, "last_interval": 2}
 CONE = {"name": "sun", "boresight": [1.0, 0.0, 0.0], "direction_inertial": [1.0, 0.0, 0.0]}
@@ -153,3 +154,17 @@ def inline(value: object) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(inline, value)) + "]"
     return repr(value) if isinstance(value, float) else json.dumps(value)
+
+
+def test_a_fault_of_a_vehicles_file_is_told_once(tmp_path: Path) -> None:
+    """Its keys and its numbers are looked at by two readers."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        "inertia_kgm2 = [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]]\n"
+        "[wheels]\naxes = [[1.0, 0, 0], [0, 1.0, 0], [0, 0, 1.0]]\n"
+        "inertia_kgm2 = 1e-3\ntorque_limit_Nm = -1.0\n",
+        encoding="utf-8",
+    )
+    document = tomllib.loads(file.read_text(encoding="utf-8"))
+    (fault,) = faults_of(document, str(file), "vehicle", tmp_path)
+    assert "torque_limit_Nm = -1.0" in str(fault)
