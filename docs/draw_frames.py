@@ -44,14 +44,10 @@ class Drawing:
         """Draw an arrow with a label beyond its tip."""
         tip = np.asarray(start) + along
         self.path([start, tip], colour, 2.5, f'marker-end="url(#{colour[1:]})"')
-        self.label(np.asarray(start) + 1.14 * np.asarray(along), label, colour)
-
-    def label(
-        self, point: Point, text: str, colour: str = "#333333", anchor: str = "middle"
-    ) -> None:
-        """Write a few words at a point in space."""
-        x, y = self.at(point)
-        self.write(x, y + 5.0, text, colour, anchor)
+        (x0, y0), (x, y) = self.at(start), self.at(tip)
+        right, down = np.array([x - x0, y - y0]) / math.hypot(x - x0, y - y0)
+        anchor = "middle" if abs(right) < 0.4 else "start" if right > 0.0 else "end"
+        self.write(x + 9.0 * right, y + 5.0 + 15.0 * down, label, colour, anchor)
 
     def write(self, x: float, y: float, text: str, colour: str, anchor: str = "start") -> None:
         """Write a few words at a place of the picture."""
@@ -99,7 +95,7 @@ def orbit_and_inertial() -> None:
     for colour, axis, name in zip(
         3 * [INERTIAL], (x, y, z), ("x: equinox", "y", "z: north"), strict=True
     ):
-        drawing.arrow(np.zeros(3), 1.35 * axis, name, colour)
+        drawing.arrow(np.zeros(3), 1.25 * axis, name, colour)
     node, up = np.array([math.cos(0.5), math.sin(0.5), 0.0]), np.array([0.0, 0.0, 1.0])
     slope = math.radians(60.0)
     across = math.cos(slope) * np.cross(up, node) + math.sin(slope) * up
@@ -119,9 +115,9 @@ def orbit_and_inertial() -> None:
 
 def body_in_orbit() -> None:
     """Body axes after a turn by psi, theta and phi, and the sense of positive turns."""
-    drawing = Drawing(640, 380, (200.0, 175.0), 125.0)
+    drawing = Drawing(640, 300, (185.0, 110.0), 115.0)
     flip = np.diag([1.0, -1.0, -1.0])  # orbit z points down in the picture
-    phi, theta, psi = np.radians([-25.0, -25.0, -50.0])
+    phi, theta, psi = np.radians([20.0, 30.0, -20.0])
     rx = np.array(
         [[1, 0, 0], [0, math.cos(phi), -math.sin(phi)], [0, math.sin(phi), math.cos(phi)]]
     )

@@ -5,11 +5,15 @@
 
 What a page may hold, besides words:
 
-- a block of `toml` whose first line is `# NAME.toml` is that file;
-- the lines of a block of `bash` that begin with `jaxatt` are called one after the other, and a
-  block of `text` right after it holds what they print;
+- a block of `toml` whose first line is `# NAME.toml` is that file, and so is any other block after
+  `<!-- file: NAME -->`;
+- the calls of `jaxatt` in a block of `bash` are made one after the other, and a block of `text`
+  right after it holds what they print;
 - blocks of `python` run in one namespace;
 - `<!-- not run: REASON -->` before a block leaves it alone;
+- `<!-- ends with: 3 -->` before it says how its calls end;
+- `<!-- in tests: COMMAND --option value; ... -->` before it makes tests call a command with less
+  to do;
 - `<!-- figure: FILE -->` before a picture says which file of the run it is.
 
 All run in one empty folder, with the files of the page on the tutorials' satellite.
@@ -18,13 +22,14 @@ All run in one empty folder, with the files of the page on the tutorials' satell
 from __future__ import annotations
 
 import contextlib
+import glob
 import io
 import os
 import re
 import shlex
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -34,7 +39,8 @@ DOCS = Path(__file__).parent
 SATELLITE = DOCS / "tutorials" / "satellite.md"
 
 BLOCK = re.compile(
-    r"^(?:<!-- not run: (?P<reason>.+?) -->\n+)?```(?P<language>\w*)\n(?P<text>.*?)^```$",
+    r"^(?:<!-- (?P<mark>not run|ends with|in tests|file): (?P<said>.+?) -->\n+)?"
+    r"```(?P<language>\w*)\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
 FIGURE = re.compile(r"<!-- figure: (\S+) -->\n+!\[[^\]]*\]\(([^)]+)\)")
@@ -44,32 +50,53 @@ FIGURE = re.compile(r"<!-- figure: (\S+) -->\n+!\[[^\]]*\]\(([^)]+)\)")
 class Block:
     """A block of code of a page.
 
-    reason : why it is not run; empty where it is.  where : its text, as a range of the page.
+    mark, said : the comment before it, such as "not run" and why; empty without one.
+    where : its text, as a range of the page.
     """
 
     language: str
     text: str
-    reason: str
+    mark: str
+    said: str
     where: tuple[int, int]
+
+    @property
+    def runs(self) -> bool:
+        """Whether it is run, with what stands before it on the page."""
+        return self.language in ("bash", "python") and self.mark != "not run"
 
     @property
     def file(self) -> str:
         """The name of the file that it is; empty for any other block."""
+        if self.mark == "file":
+            return self.said
         first = re.match(r"# (\S+\.toml)$", self.text.partition("\n")[0])
         return first[1] if first and self.language == "toml" else ""
 
     @property
-    def commands(self) -> list[list[str]]:
-        """The words of each call of `jaxatt`, without comments."""
-        lines = (line.partition(" > ")[0] for line in self.text.splitlines())
-        words = (shlex.split(line, comments=True) for line in lines)
-        return [found for found in words if found[:1] == ["jaxatt"]]
+    def lines(self) -> list[str]:
+        """Lines that say something, continued ones joined."""
+        lines = (line.strip() for line in self.text.replace("\\\n", " ").splitlines())
+        return [line for line in lines if line and not line.startswith("#")]
+
+    @property
+    def code(self) -> int:
+        """The exit code of its calls."""
+        return int(self.said) if self.mark == "ends with" else 0
+
+    def less(self, command: str) -> list[str]:
+        """The words that tests add to calls of a command."""
+        added = self.said.split("; ") if self.mark == "in tests" else []
+        return [word for each in map(str.split, added) if each[0] == command for word in each[1:]]
 
 
 def blocks(page: str) -> list[Block]:
     """All blocks of code of a page, in their order."""
     return [
-        Block(found["language"], found["text"], found["reason"] or "", found.span("text"))
+        Block(
+            *(found[name] or "" for name in ("language", "text", "mark", "said")),
+            found.span("text"),
+        )
         for found in BLOCK.finditer(page)
     ]
 
@@ -93,34 +120,50 @@ def folder_of(page: str) -> Iterator[Path]:
             os.chdir(before)
 
 
-def run(page: str) -> Iterator[tuple[Block, str]]:
+def run(page: str, less: bool = False) -> Iterator[tuple[Block, str]]:
     """Run the blocks of a page in the current folder; yield each with what it printed.
 
-    Raises `RuntimeError` where a command ends with another code than 0.
+    less : do only what tests need.
+
+    Raises `RuntimeError` where a command ends with another code than 0, or than the page says.
     """
     names: dict[str, Any] = {}
     for block in blocks(page):
-        if block.reason or block.language not in ("bash", "python"):
+        if not block.runs:
             continue
         with contextlib.redirect_stdout(io.StringIO()) as printed:
             if block.language == "python":
                 exec(compile(block.text, "page", "exec"), names)
             else:
-                for words in block.commands:
-                    call(words)
+                for line in block.lines:
+                    call(line, block.code, block.less if less else lambda command: [])
         yield block, printed.getvalue()
 
 
-def call(words: list[str]) -> None:
-    """Call the command line in this process."""
+def call(line: str, code: int, more: Callable[[str], list[str]]) -> None:
+    """Call the command line in this process, as a shell would with a line of a page.
+
+    code : with which it ends.  more : the words that are added to those of a command.
+    """
     from jaxatt.cli import main
 
-    with mock.patch.object(sys, "argv", words), mock.patch.dict(os.environ, COLUMNS="96"):
+    line, _, file = line.partition(" > ")
+    words = shlex.split(os.path.expandvars(line), comments=True)
+    if words[:1] != ["jaxatt"]:
+        raise RuntimeError(f"{line}: only calls of jaxatt are run; mark the block as not run")
+    words = [name for word in words for name in sorted(glob.glob(word)) or [word]]
+    words += more(words[1])
+    with (
+        mock.patch.object(sys, "argv", words),
+        mock.patch.dict(os.environ, COLUMNS="96"),
+        open(file.split()[0], "w", encoding="utf-8") if file else contextlib.nullcontext() as to,
+        contextlib.redirect_stdout(to) if to else contextlib.nullcontext(),
+    ):
         try:
             main()
         except SystemExit as ended:
-            if ended.code:
-                raise RuntimeError(f"{' '.join(words)}: exit code {ended.code}") from None
+            if (ended.code or 0) != code:
+                raise RuntimeError(f"{line}: exit code {ended.code}") from None
 
 
 def refreshed(path: Path) -> str:

@@ -41,6 +41,7 @@ ENOUGH = 1.5 * GIB
 """Memory of a worker beyond which it forgets what it has compiled, between two files."""
 
 FIRST = (
+    "test_page_runs.py",
     "test_net_power.py",
     "test_feedback_laws.py",
     "test_maximum_hands_off.py",
@@ -75,7 +76,7 @@ FIRST = (
     "test_zero_band.py",
     "test_wheels_derivatives.py",
     "test_published_cases.py",
-    "test_tutorial_runs.py",
+    "test_page_runs.py",
     "test_compile_cache.py",
     "test_pointing_thrusters.py",
     "test_rotations.py",

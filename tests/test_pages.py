@@ -24,9 +24,8 @@ SOURCES = sorted((DOCS / "sources").glob("*.md"))
 
 def shell_lines(page: str) -> list[str]:
     """The calls of `jaxatt` in all blocks of a page, continued lines joined."""
-    blocks = [block for block in pages.blocks(page) if block.language in ("", "bash", "console")]
-    lines = [line.strip() for b in blocks for line in b.text.replace("\\\n", " ").splitlines()]
-    return [line for line in lines if re.match(r"jaxatt [a-z]", line)]
+    blocks = [block for block in pages.blocks(page) if block.language == "bash"]
+    return [line for block in blocks for line in block.lines if line.startswith("jaxatt ")]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=title)

@@ -44,7 +44,7 @@ def _described(path: Path) -> str:
     """What a file describes; raises `ScenarioError` with all that is told of its faults."""
     document = read_file(path)
     kind = kind_of_document(document)
-    refuse(faults_of(document, str(path), kind))
+    refuse(faults_of(document, str(path), kind, path.parent))
     loaded: Any = pkgutil.resolve_name(_LOADERS[kind])(path)
     title = getattr(loaded, "title", None) or document.get("title", loaded.name)
     objective = getattr(loaded, "objective", None)

@@ -24,4 +24,4 @@ def refuse_early(command: str, arguments: Sequence[str]) -> None:
     with clean_exit():
         document = read_file(path)
         if kind_of_document(document) == TAKES[command]:
-            refuse(faults_of(document, str(path), TAKES[command]))
+            refuse(faults_of(document, str(path), TAKES[command], path.parent))

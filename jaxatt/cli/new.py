@@ -16,8 +16,8 @@ from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.files import OutputError, filling, prepare_folder
 from jaxatt.scenarios.beginnings import BEGINNINGS, begin
+from jaxatt.scenarios.schema_line import schema_line
 from jaxatt.studies.file_kinds import faults_of, kind_of_document
-from jaxatt.studies.json_schema import schema_line
 
 
 class Kind(StrEnum):

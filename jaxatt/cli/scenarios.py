@@ -9,7 +9,7 @@ import typer
 from jaxatt.cli.common import clean_exit, say
 from jaxatt.scenarios import text
 from jaxatt.scenarios.bundled import KINDS, kind_of, titles
-from jaxatt.studies.json_schema import schema_line
+from jaxatt.scenarios.schema_line import schema_line
 
 scenarios = typer.Typer(
     help="List the bundled scenarios, or print one as TOML.", add_completion=False

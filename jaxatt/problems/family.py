@@ -12,6 +12,7 @@ import numpy as np
 
 from jaxatt.problems.front import Front, FrontRequest
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.schema import Tables
 from jaxatt.problems.scenario import Scenario
@@ -92,10 +93,14 @@ class Family(ABC):
     mapped: tuple[str, ...] = ()
 
     @abstractmethod
-    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+    def read(
+        self, document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+    ) -> Scenario:
         """Read and check the scenario of a TOML document.
 
         origin : what messages call the file.  folder : where files that it names are looked up.
+        faults : those that were found before; `faults.refuse()` raises them, where reading is not
+        to go on with the parts that have none.
         Raises `ScenarioError`, which names table, key, value, what is allowed and how to mend it.
         """
 

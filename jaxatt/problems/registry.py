@@ -24,7 +24,10 @@ _CODE = {
     NET_POWER: "jaxatt.problems.net_power.family:NetPower",
     TOY: "jaxatt.problems.toy.family:Toy",
 }
-_FORMATS: dict[str, Formatted] = {known.name: known for known in _CODE}
+FORMATS = tuple(_CODE)
+"""What the files of the package's own families hold."""
+
+_FORMATS: dict[str, Formatted] = {known.name: known for known in FORMATS}
 _FAMILIES: dict[str, Family] = {}
 
 
@@ -51,7 +54,7 @@ def unregister(name: str) -> None:
 
 
 def formats() -> tuple[Formatted, ...]:
-    """What the files of all families hold, those of the package first."""
+    """What the files of all registered families hold, those of the package first."""
     return tuple(_FORMATS.values())
 
 

@@ -7,21 +7,27 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from jaxatt.problems.reading import manoeuvre
-from jaxatt.problems.reading.checking import refuse_faults
+from jaxatt.problems.reading.checking import find_faults
 from jaxatt.problems.reading.dates import MAGNETIC_FIELD, SUNLIGHT, check_epoch, read_epoch
-from jaxatt.problems.reading.directions import sky_over
+from jaxatt.problems.reading.directions import Sky, sky_over
 from jaxatt.problems.reading.documents import read_file
+from jaxatt.problems.reading.faults import UNSOUND, Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.names import check_folder_name, read_name
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.printed import read_printed
 from jaxatt.problems.reading.vehicles import read_vehicle
+from jaxatt.problems.reading.wheel_speeds import read_initial_speeds
+from jaxatt.problems.scenario import Orbit
 from jaxatt.scenarios import flight_tables
 from jaxatt.scenarios.flight_laws import read_law
-from jaxatt.scenarios.flight_model import FlightScenario
+from jaxatt.scenarios.flight_model import FlightScenario, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import FLIGHT_KEYS, FLIGHT_TABLES, PRINTED_FIGURES
 from jaxatt.scenarios.loader import assign, plain_values
+from jaxatt.spacecraft import Spacecraft
 
 
 def load_flight_file(path: str | Path) -> FlightScenario:
@@ -35,50 +41,52 @@ def flight_from_mapping(
 ) -> FlightScenario:
     """Check a document that has the names and units of a flight's file."""
     data = plain_values(document)
-    refuse_faults(data, origin, FLIGHT_KEYS)
-    top = Table(data, origin, "", FLIGHT_KEYS)
+    faults = Faults(find_faults(data, origin, FLIGHT_KEYS))
+    flight = faults.of(_read, data, origin, folder, faults)
+    faults.refuse()
+    return flight
+
+
+def _read(data: dict[str, Any], origin: str, folder: Path | None, faults: Faults) -> FlightScenario:
+    """Read the parts of a flight, then what depends on several of them."""
+    top = faults.of(Table, data, origin, "", FLIGHT_KEYS)
+    name = faults.of(read_name, top)
     notes: list[str] = []
-    vehicle = read_vehicle(data["vehicle"], origin, folder, notes)
-    surroundings = Table(
-        data.get("environment", {}), origin, "[environment]", FLIGHT_TABLES["environment"]
+    vehicle = faults.of(read_vehicle, faults.table(data, "vehicle"), origin, folder, notes)
+    surroundings = faults.of(
+        Table, data.get("environment", {}), origin, "[environment]", FLIGHT_TABLES["environment"]
     )
-    timing = flight_tables.read_timing(data["simulation"], origin)
-    orbit = None
-    if "orbit" in data:
-        orbit = read_orbit(data["orbit"], origin, folder, notes, read_epoch(surroundings))
-        if "epoch" in data["orbit"]:
-            raise ScenarioError(
-                f"{origin}: [orbit] epoch: a flight has it under [environment]; move it"
-            )
-        orbit = covering(orbit, data["orbit"], origin, timing.duration)
-    around = flight_tables.read_environment(data.get("environment", {}), origin, orbit)
-    sky = sky_over(orbit, folder, days=around.days, sun=around.sun)
-    initial = manoeuvre.read_initial(data["initial"], origin, vehicle, notes, sky)
-    asked = flight_tables.read_reference(
-        data.get("reference", {}), origin, initial, notes, sky, timing
+    timing = faults.of(flight_tables.read_timing, faults.table(data, "simulation"), origin)
+    orbit = faults.of(_read_orbit, data, origin, folder, notes, surroundings)
+    orbit = faults.of(_covering, data, origin, orbit, timing)
+    around = faults.of(flight_tables.read_environment, data.get("environment", {}), origin, orbit)
+    sky = faults.of(_sky, orbit, folder, around)
+    start = faults.table(data, "initial")
+    speeds = faults.of(read_initial_speeds, start, origin, vehicle.wheels)
+    initial = faults.of(
+        manoeuvre.read_initial, start, origin, notes, sky, faults.or_else(speeds, np.zeros(0))
     )
-    signal, band, since = flight_tables.read_settling(data.get("settling", {}), origin, asked.since)
+    asked = faults.of(
+        flight_tables.read_reference, data.get("reference", {}), origin, initial, notes, sky, timing
+    )
+    settling = faults.of(flight_tables.read_settling, data.get("settling", {}), origin, asked.since)
     dumping = None
     if "dumping" in data:
-        dumping = flight_tables.read_dumping(data["dumping"], origin, vehicle, around)
-    tables = data["laws"]
-    if not isinstance(tables, dict) or not tables:
-        top.fail("laws", "holds no law", "write [laws.NAME] and its gains below")
-    for name in tables:
-        check_folder_name(top, "laws", name, "results/NAME/LAW")
-    laws = {name: read_law(law, origin, name, vehicle) for name, law in tables.items()}
-    spread, runs, seed = flight_tables.read_campaign(data.get("campaign", {}), origin)
-    needs = {}
-    if dumping is not None:
-        needs[MAGNETIC_FIELD] = "[dumping]"
-    if around.torques.magnetic:
-        eddy = around.torques.residual_dipole is None
-        needs[MAGNETIC_FIELD] = "eddy_coefficient" if eddy else "residual_dipole_Am2"
-    if around.torques.solar_pressure is not None and around.sun is None:
-        needs[SUNLIGHT] = "solar_pressure without sun_direction"
-    check_epoch(surroundings, around.days, timing.duration, needs)
+        dumping = faults.of(flight_tables.read_dumping, data["dumping"], origin, vehicle, around)
+    tables = faults.of(_laws, top)
+    laws = {
+        law: faults.of(_read_law, top, gains, origin, law, vehicle)
+        for law, gains in ({} if tables is UNSOUND else tables).items()
+    }
+    campaign = faults.of(flight_tables.read_campaign, data.get("campaign", {}), origin)
+    faults.of(_check_epoch, surroundings, around, timing, dumping)
+    noise = faults.of(flight_tables.read_noise, data.get("noise", {}), origin)
+    printed = faults.of(_read_printed, data.get("printed", {}), origin, laws)
+    faults.refuse()
+    signal, band, since = settling
+    spread, runs, seed = campaign
     return FlightScenario(
-        name=read_name(top),
+        name=name,
         title=top.text("title", Path(origin).stem),
         source=top.text("source", "not stated"),
         vehicle=vehicle,
@@ -89,19 +97,74 @@ def flight_from_mapping(
         signal=signal,
         band=band,
         since=since,
-        noise=flight_tables.read_noise(data.get("noise", {}), origin),
+        noise=noise,
         dumping=dumping,
         laws={name: law for name, (law, _) in laws.items()},
         law_titles={name: title for name, (_, title) in laws.items()},
         spread=spread,
         runs=runs,
         seed=seed,
-        printed=_read_printed(data.get("printed", {}), origin, laws),
+        printed=printed,
         notes=tuple(notes),
         document=data,
         origin=origin,
         folder=folder,
     )
+
+
+def _read_orbit(
+    data: dict[str, Any],
+    origin: str,
+    folder: Path | None,
+    notes: list[str],
+    surroundings: Table,
+) -> Orbit | None:
+    if "orbit" not in data:
+        return None
+    orbit = read_orbit(data["orbit"], origin, folder, notes, read_epoch(surroundings))
+    if "epoch" in data["orbit"]:
+        raise ScenarioError(
+            f"{origin}: [orbit] epoch: a flight has it under [environment]; move it"
+        )
+    return orbit
+
+
+def _covering(
+    data: dict[str, Any], origin: str, orbit: Orbit | None, timing: Timing
+) -> Orbit | None:
+    return None if orbit is None else covering(orbit, data["orbit"], origin, timing.duration)
+
+
+def _sky(orbit: Orbit | None, folder: Path | None, around: Surroundings) -> Sky:
+    return sky_over(orbit, folder, days=around.days, sun=around.sun)
+
+
+def _laws(top: Table) -> dict[str, Any]:
+    """The tables of the laws, by their names."""
+    tables = top.data.get("laws", {})
+    if not isinstance(tables, dict) or not tables:
+        top.fail("laws", "holds no law", "write [laws.NAME] and its gains below")
+    return tables
+
+
+def _read_law(
+    top: Table, gains: Any, origin: str, name: str, vehicle: Spacecraft
+) -> tuple[Any, str]:
+    check_folder_name(top, "laws", name, "results/NAME/LAW")
+    return read_law(gains, origin, name, vehicle)
+
+
+def _check_epoch(surroundings: Table, around: Surroundings, timing: Timing, dumping: Any) -> None:
+    """Refuse a flight without a date, where something asks for it."""
+    needs = {}
+    if dumping is not None:
+        needs[MAGNETIC_FIELD] = "[dumping]"
+    if around.torques.magnetic:
+        eddy = around.torques.residual_dipole is None
+        needs[MAGNETIC_FIELD] = "eddy_coefficient" if eddy else "residual_dipole_Am2"
+    if around.torques.solar_pressure is not None and around.sun is None:
+        needs[SUNLIGHT] = "solar_pressure without sun_direction"
+    check_epoch(surroundings, around.days, timing.duration, needs)
 
 
 def _read_printed(data: Any, origin: str, laws: Iterable[str]) -> Mapping[str, Any]:

@@ -9,10 +9,10 @@ from typing import Any
 
 from jaxatt.problems import registry
 from jaxatt.problems.reading.attitudes import replaced_by
-from jaxatt.problems.reading.checking import refuse
 from jaxatt.problems.reading.documents import read_file
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.file_format import format_of, scenario_faults
+from jaxatt.problems.reading.file_format import Formatted, format_of, scenario_faults
 from jaxatt.problems.reading.wheel_axes import other_mounting
 from jaxatt.problems.scenario import Scenario
 
@@ -44,9 +44,17 @@ def from_mapping(
         Where a vehicle's file is looked up; the working folder by default.
     """
     plain = plain_values(document)
-    refuse(scenario_faults(plain, origin, registry.formats()))
-    family = registry.family_named(format_of(plain, origin, registry.formats()).name)
-    return family.read(plain, origin, folder)
+    faults = Faults(scenario_faults(plain, origin, registry.formats()))
+    known = faults.of(format_of, plain, origin, registry.formats())
+    scenario = faults.of(_read, known, plain, origin, folder, faults)
+    faults.refuse()
+    return scenario
+
+
+def _read(
+    known: Formatted, plain: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+) -> Scenario:
+    return registry.family_named(known.name).read(plain, origin, folder, faults)
 
 
 def replace(scenario: Scenario, changes: Mapping[str, Any]) -> Scenario:

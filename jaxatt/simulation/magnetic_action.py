@@ -11,7 +11,7 @@ from jaxatt.attitude.components import Matrix, Vector
 from jaxatt.control.momentum_dumping import MomentumDumping
 from jaxatt.environment.external import Along
 from jaxatt.simulation.rigid_step import Motion
-from jaxatt.spacecraft.magnetorquers import Magnetorquers
+from jaxatt.spacecraft.magnetorquers import Magnetorquers, limited
 from jaxatt.spacecraft.vehicle import Spacecraft
 from jaxatt.spacecraft.wheels import momentum
 
@@ -36,7 +36,7 @@ class MomentumHold:
         assert along.field is not None
         relative = spun - self.spin_inertia @ motion.omega
         field_b = motion.q_ib.rotate_inverse(along.field)
-        return self.magnetorquers.limited(self.law.dipole(relative - self.kept, field_b))
+        return limited(self.magnetorquers, self.law.dipole(relative - self.kept, field_b))
 
 
 def momentum_hold(

@@ -14,6 +14,7 @@ from jaxatt.environment.along_orbit import Nodes
 from jaxatt.simulation.rigid_step import Motion
 from jaxatt.simulation.run_state import RunState
 from jaxatt.simulation.sampled_flight import Flight, Noise, Reference
+from jaxatt.spacecraft.magnetorquers import limited
 from jaxatt.spacecraft.wheel_motor import WheelMotors, torque_range
 
 
@@ -154,4 +155,4 @@ def _dipole(
     assert flight.nominal.magnetorquers is not None
     kept = known.momentum(flight.dumping.reference, motion.omega)
     field_b = motion.q_ib.rotate_inverse(nodes.field)
-    return flight.nominal.magnetorquers.limited(flight.dumping.dipole(spun - kept, field_b))
+    return limited(flight.nominal.magnetorquers, flight.dumping.dipole(spun - kept, field_b))

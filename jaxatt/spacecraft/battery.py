@@ -2,38 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from jaxatt.spacecraft.checks import SMALLEST, FieldError, Float64, finite_array
-
-Number = jax.Array | Float64 | float
-
-
-@jax.tree_util.register_dataclass
-@dataclass(frozen=True, eq=False)
-class Battery:
-    """A battery; build it with `battery`, which checks the numbers.
-
-    capacity : () [J]; inf where it is not known.  charge : () [J], at time zero.
-    input_efficiency, output_efficiency : (), shares of the energy that arrive in it and at what it
-    feeds.
-    """
-
-    capacity: Number
-    charge: Number
-    input_efficiency: Number = 1.0
-    output_efficiency: Number = 1.0
-
-    def net(self, gained: Any, drawn: Any) -> Any:
-        """What the battery keeps of energies or powers gained and drawn, of one shape.
-
-        All energy passes through the battery; Kristiansen (2023), eqs. (5.3) and (5.5).
-        """
-        return self.input_efficiency * gained - drawn / self.output_efficiency
+from jaxatt.spacecraft.parts.battery import battery as battery
+from jaxatt.spacecraft.pytrees import Battery as Battery
 
 
 def charge_along(changes: Any, start: Any, capacity: Any) -> jax.Array:
@@ -49,50 +24,3 @@ def charge_along(changes: Any, start: Any, capacity: Any) -> jax.Array:
     free = jnp.concatenate([first, first + jnp.cumsum(steps, axis=-1)], axis=-1)
     over = jax.lax.cummax(free - most, axis=free.ndim - 1)
     return free - jnp.maximum(over, 0.0)
-
-
-def battery(
-    capacity: Any = float("inf"),
-    charge: Any = None,
-    input_efficiency: Any = 1.0,
-    output_efficiency: Any = 1.0,
-) -> Battery:
-    """Return a checked battery.
-
-    capacity : [J], greater than 0.  charge : [J], at most the capacity; full by default.
-    input_efficiency, output_efficiency : greater than 0 and at most 1.
-    Raises `FieldError`, a `ValueError`.
-    """
-    most = _number("capacity", capacity, infinite=True)
-    if not most >= SMALLEST:
-        raise FieldError("capacity", f"is {most:g} J; give a number greater than 0")
-    if charge is None and most == float("inf"):
-        charge = 0.0
-    now = most if charge is None else _number("charge", charge)
-    if now < 0.0:
-        raise FieldError("charge", f"is {now:g} J; give a number of at least 0")
-    if now > most:
-        raise FieldError(
-            "charge",
-            f"starts at {now:g} J, above the capacity of {most:g} J; lower the charge to at most "
-            "the capacity, or check the units of both",
-        )
-    shares = [
-        _share("input_efficiency", input_efficiency),
-        _share("output_efficiency", output_efficiency),
-    ]
-    return Battery(most, now, *shares)
-
-
-def _number(field: str, value: Any, *, infinite: bool = False) -> float:
-    array = finite_array(field, value, infinite=infinite)
-    if array.ndim:
-        raise FieldError(field, f"has shape {array.shape}; give one number")
-    return float(array)
-
-
-def _share(field: str, value: Any) -> float:
-    share = _number(field, value)
-    if not 0.0 < share <= 1.0:
-        raise FieldError(field, f"is {share:g}; give a share greater than 0 and at most 1")
-    return share

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from jaxatt.spacecraft.checks import FieldError, Float64, brief
+from jaxatt.spacecraft.parts.wheels import ReactionWheels
 from jaxatt.spacecraft.wheel_envelope import largest_about_axes, spanned_directions
-from jaxatt.spacecraft.wheels import ReactionWheels
 
 
 def without(wheels: ReactionWheels, failed: Sequence[str]) -> ReactionWheels:

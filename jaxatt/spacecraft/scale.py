@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from jaxatt.spacecraft.vehicle import Spacecraft
+from jaxatt.spacecraft.parts.vehicle import Spacecraft
 
 IDLE_SHARE = 1e-6 / 3e-3
 """Share of its limit up to which an actuator counts as idle.

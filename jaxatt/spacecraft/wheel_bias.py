@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from jaxatt.spacecraft.checks import Float64
-from jaxatt.spacecraft.wheels import ReactionWheels
+from jaxatt.spacecraft.parts.wheels import ReactionWheels
 
 
 def null_momenta(wheels: ReactionWheels) -> Float64:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading.checking import find_faults
+from jaxatt.problems.reading.faults import UNSOUND, Faults
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.file_format import scenario_faults
+from jaxatt.problems.reading.file_format import format_of, scenario_faults
 from jaxatt.problems.reading.keys import TableKey
 from jaxatt.problems.reading.tables.vehicle import VEHICLE_FILE_KEYS
-from jaxatt.problems.registry import formats
+from jaxatt.problems.reading.vehicles import load_vehicle_file, read_vehicle
+from jaxatt.problems.registry import FORMATS
 from jaxatt.scenarios.flight_schema import FLIGHT_KEYS
 from jaxatt.studies.tables import DESIGN_KEYS, STUDY_KEYS
 
@@ -39,8 +42,23 @@ def kind_of_document(document: Mapping[str, Any]) -> str:
     )
 
 
-def faults_of(document: Mapping[str, Any], origin: str, kind: str) -> Sequence[ScenarioError]:
-    """All faults of a document of a kind that can be told without computing."""
-    if kind == "manoeuvre":
-        return scenario_faults(document, origin, formats())
-    return find_faults(document, origin, OTHERS[kind])
+def faults_of(
+    document: dict[str, Any], origin: str, kind: str, folder: Path | None = None
+) -> Sequence[ScenarioError]:
+    """All faults of a document of a kind that can be told without computing.
+
+    folder : where files that it names are; None where these are still to be written, and only keys
+    are looked at.
+    """
+    if kind != "manoeuvre":
+        faults = Faults(find_faults(document, origin, OTHERS[kind]))
+        if folder is not None and kind == "flight":
+            faults.of(read_vehicle, faults.table(document, "vehicle"), origin, folder, [])
+        if folder is not None and kind == "vehicle":
+            faults.of(load_vehicle_file, Path(origin))
+        return faults.found
+    faults = Faults(scenario_faults(document, origin, FORMATS))
+    family = faults.of(format_of, document, origin, FORMATS)
+    if folder is not None and family is not UNSOUND:
+        family.parts(document, origin, folder, [], faults)
+    return faults.found

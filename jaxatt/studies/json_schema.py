@@ -6,41 +6,19 @@ In draft 7, which editors of TOML (Taplo, Even Better TOML) read.
 from __future__ import annotations
 
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
-from jaxatt.problems.reading.file_format import Formatted
-from jaxatt.problems.reading.keys import (
-    Choice,
-    Each,
-    Either,
-    Flag,
-    Key,
-    Matrix,
-    Number,
-    Numbers,
-    Rows,
-    TableKey,
-    Text,
-    Texts,
-    Whole,
-)
+from jaxatt.problems.reading.file_format import FileFormat
+from jaxatt.problems.reading.keys import Either, Key, Schema, TableKey
 from jaxatt.problems.reading.schema import SPACECRAFT, scenario_keys, unit_of
-from jaxatt.problems.registry import formats
+from jaxatt.problems.registry import FORMATS
 from jaxatt.studies.file_kinds import OTHERS
-
-Schema = dict[str, Any]
 
 KINDS = ("manoeuvre", *OTHERS)
 """Kinds of files that have a schema."""
-FOLDER = Path(__file__).parent.parent / "scenarios" / "schemas"
-"""Where the schemas stand in the package, for editors to find."""
 
 _KEYWORDS = ("properties", "additionalProperties", "items", "allOf", "anyOf", "oneOf")
 _DRAFT = "http://json-schema.org/draft-07/schema#"
-_NUMBER: Schema = {"type": "number"}
-_TEXT: Schema = {"type": "string", "pattern": r"\S"}
-_TRIPLE: Schema = {"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}
 
 
 def schema_of(kind: str) -> Schema:
@@ -71,25 +49,20 @@ def _shared(found: Any, name: str, definitions: Schema) -> Any:
     return {**told, "allOf": [{"$ref": f"#/definitions/{name}-{number}"}]}
 
 
-def schema_line(kind: str) -> str:
-    """First line of a file of a kind, for editors; empty for one that has no schema."""
-    return f"#:schema {(FOLDER / f'{kind}.json').as_uri()}\n" if kind in KINDS else ""
-
-
 def _scenario() -> Schema:
     """Scenarios, whose tables depend on the system and the kind of objective."""
-    default, *others = formats()
+    default, *others = FORMATS
     found: Schema = _table(_keys(default))
     for each in others:
         found = {"if": _condition(each), "then": _table(_keys(each)), "else": found}
     return found
 
 
-def _keys(known: Formatted) -> TableKey:
+def _keys(known: FileFormat) -> TableKey:
     return scenario_keys(known.tables, known.systems)
 
 
-def _condition(known: Formatted) -> Schema:
+def _condition(known: FileFormat) -> Schema:
     """Schema of what makes a document one of a family that is not the default."""
     if SPACECRAFT not in known.systems:
         return {"properties": {"system": {"enum": list(known.systems)}}, "required": ["system"]}
@@ -136,44 +109,9 @@ def _described(key: str, declared: Key) -> Schema:
 
 def _value(declared: Key) -> Schema:
     """Schema of a value."""
-    match declared:
-        case Number():
-            return _bounds(declared.above, declared.at_least, declared.at_most)
-        case Whole():
-            return {"type": "integer", "minimum": declared.at_least, "maximum": declared.at_most}
-        case Flag():
-            return {"type": "boolean"}
-        case Text():
-            return _TEXT
-        case Texts():
-            return {"type": "array", "items": _TEXT, **_size(declared.size)}
-        case Choice():
-            return {"enum": list(declared.options)}
-        case Numbers():
-            items = _bounds(declared.above)
-            return {"type": "array", "items": items, **_size(declared.size)}
-        case Each():
-            least = None if declared.signed else 0.0
-            item = _bounds(at_least=least) if declared.zero else _bounds(least)
-            return {"anyOf": [item, {"type": "array", "items": item, "minItems": 1}]}
-        case Rows():
-            return {"type": "array", "items": _TRIPLE, "minItems": 1}
-        case Matrix():
-            return {"type": "array", "items": _TRIPLE, **_size(3)}
-        case Either():
-            return {"anyOf": [_value(form) for form in declared.forms]}
-        case TableKey():
-            one = _table(declared)
-            return {"type": "array", "items": one} if declared.many else one
-    return {}
-
-
-def _bounds(
-    above: float | None = None, at_least: float | None = None, at_most: float | None = None
-) -> Schema:
-    found = {"exclusiveMinimum": above, "minimum": at_least, "maximum": at_most}
-    return {**_NUMBER, **{name: limit for name, limit in found.items() if limit is not None}}
-
-
-def _size(size: int | None) -> Schema:
-    return {} if size is None else {"minItems": size, "maxItems": size}
+    if isinstance(declared, TableKey):
+        one = _table(declared)
+        return {"type": "array", "items": one} if declared.many else one
+    if isinstance(declared, Either):
+        return {"anyOf": [_value(form) for form in declared.forms]}
+    return declared.schema()

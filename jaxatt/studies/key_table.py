@@ -4,24 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from jaxatt.problems.reading.file_format import Formatted
-from jaxatt.problems.reading.keys import (
-    Choice,
-    Each,
-    Either,
-    Flag,
-    Key,
-    Matrix,
-    Number,
-    Numbers,
-    Rows,
-    TableKey,
-    Text,
-    Texts,
-    Whole,
-)
-from jaxatt.problems.reading.schema import UNITS, scenario_keys
-from jaxatt.problems.registry import formats
+from jaxatt.problems.reading.file_format import FileFormat
+from jaxatt.problems.reading.keys import Key, TableKey
+from jaxatt.problems.reading.schema import SPACECRAFT, UNITS, scenario_keys
+from jaxatt.problems.registry import FORMATS
 from jaxatt.studies.file_kinds import OTHERS
 
 _HEAD = """# Keys of all files
@@ -30,10 +16,6 @@ Made by `jaxatt schema --page` from what the loader checks; a test says when it 
 **Bold** keys must be there. How files are written and checked: [files](files.md).
 """
 _TITLES = {
-    "hands-off": "Sparse manoeuvres",
-    "time-optimal": "Turns in minimum time",
-    "net-power": "Manoeuvres and plans that earn energy",
-    "toy": "Toy systems",
     "flight": "Flights of feedback laws",
     "study": "Sweeps",
     "design": "Designs",
@@ -54,15 +36,18 @@ def key_page() -> str:
 
 
 def _kinds() -> Iterator[tuple[str, TableKey]]:
-    for known in formats():
-        yield f"{_TITLES[known.name]} ({_told_by(known)})", scenario_keys(known.tables)
+    for known in FORMATS:
+        yield f"{known.title} ({_told_by(known)})", scenario_keys(known.tables)
     for kind, declared in OTHERS.items():
         yield _TITLES[kind], declared
 
 
-def _told_by(known: Formatted) -> str:
-    kinds = ", ".join(f'"{kind}"' for kind in known.kinds)
-    return f"`objective.kind` = {kinds}" if known.name != "toy" else "`system` is one of them"
+def _told_by(known: FileFormat) -> str:
+    key, values = "objective.kind", known.kinds
+    if SPACECRAFT not in known.systems:
+        key, values = "system", known.systems
+    told = ", ".join(f'"{value}"' for value in values)
+    return f"`{key}` = {told}"
 
 
 def _tables(path: str, declared: TableKey, shown: dict[int, str]) -> Iterator[str]:
@@ -100,7 +85,7 @@ def _section(name: str, meaning: str, keys: TableKey) -> str:
 def _row(key: str, declared: Key) -> str:
     name = f"**`{key}`**" if declared.required and not declared.unless else f"`{key}`"
     unit = next((unit for suffix, unit in UNITS.items() if key.endswith(suffix)), "")
-    cells = (name, unit, kind_of(declared), _default(declared), declared.meaning)
+    cells = (name, unit, declared.words(), _default(declared), declared.meaning)
     return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
 
 
@@ -112,48 +97,3 @@ def _default(declared: Key) -> str:
     if isinstance(declared.default, str):
         return f'`"{declared.default}"`'
     return f"{declared.default:g}" if isinstance(declared.default, float) else str(declared.default)
-
-
-def kind_of(declared: Key) -> str:
-    """The type and range of a key, in words."""
-    match declared:
-        case Number():
-            return f"number{_range(declared.above, declared.at_least, declared.at_most)}"
-        case Whole():
-            return f"whole number{_range(None, declared.at_least, _limit(declared.at_most))}"
-        case Flag():
-            return "true or false"
-        case Text():
-            return "text"
-        case Texts():
-            return "list of texts" if declared.size is None else f"{declared.size} texts"
-        case Choice():
-            return ", ".join(f'`"{option}"`' for option in declared.options)
-        case Numbers():
-            count = "list of" if declared.size is None else str(declared.size)
-            return f"{count} numbers{_range(declared.above)}"
-        case Each():
-            least = "" if declared.signed else " >= 0" if declared.zero else " > 0"
-            return f"number, or one for each,{least}".rstrip(",")
-        case Rows():
-            return "rows of 3 numbers"
-        case Matrix():
-            return "3 rows of 3 numbers"
-        case Either():
-            return ", or ".join(kind_of(form) for form in declared.forms)
-        case TableKey():
-            return "tables" if declared.many else "table in braces"
-    return "any"
-
-
-def _limit(most: int) -> int | None:
-    """A largest whole number that is not only the largest that can be counted with."""
-    return None if most == Whole.at_most else most
-
-
-def _range(
-    above: float | None = None, at_least: float | None = None, at_most: float | None = None
-) -> str:
-    parts = (("> ", above), (">= ", at_least), ("<= ", at_most))
-    told = ", ".join(f"{sign}{limit:g}" for sign, limit in parts if limit is not None)
-    return f" {told}" if told else ""

@@ -74,7 +74,8 @@ class Cart(Family):
     tables = TABLES
     sections = Sections(rows=cart_rows, names=lambda phase: {"peak": float(phase.section.peak)})
 
-    def read(self, document, origin, folder):
+    def read(self, document, origin, folder, faults):
+        faults.refuse()
         heading = read_heading(document, origin, TABLES)
         target = Table(document["target"], origin, "[target]", TABLES["target"])
         cart = Table(document.get("cart", {}), origin, "[cart]", TABLES["cart"])

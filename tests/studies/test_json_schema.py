@@ -15,9 +15,10 @@ from jaxatt.problems.reading.keys import TableKey
 from jaxatt.problems.reading.vehicles import vehicle_names
 from jaxatt.problems.registry import formats
 from jaxatt.scenarios.bundled import KINDS, names
+from jaxatt.scenarios.schema_line import FOLDER
 from jaxatt.studies.file_kinds import OTHERS, faults_of
-from jaxatt.studies.json_schema import FOLDER, schema_of
 from jaxatt.studies.json_schema import KINDS as SCHEMAS
+from jaxatt.studies.json_schema import schema_of
 from jaxatt.studies.key_table import key_page
 
 CASES = [(kind, name) for kind in KINDS if kind in SCHEMAS for name in names(kind)]

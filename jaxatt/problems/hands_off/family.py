@@ -26,6 +26,7 @@ from jaxatt.problems.hands_off.sparse_program import DecidedBy
 from jaxatt.problems.hands_off.targets.answers import answer_targets
 from jaxatt.problems.hands_off.task import Flown, SparseTask
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sensitive import SensitiveAnswer
@@ -124,8 +125,10 @@ class HandsOff(SparseFamily):
     sections = HANDS_OFF
     mapped = ("active_intervals", "l1_effort_Nms")
 
-    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-        return read_hands_off(document, origin, folder)
+    def read(
+        self, document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+    ) -> Scenario:
+        return read_hands_off(document, origin, folder, faults)
 
     def build(self, scenario: Scenario, start: PhaseStart) -> Build:
         return functools.partial(

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import numpy.typing as npt
 
-from jaxatt.problems.scenario import Scenario, Window
+from jaxatt.problems.scenario_parts import Window
 from jaxatt.runtime.arrays import Floats
+
+if TYPE_CHECKING:
+    from jaxatt.problems.scenario import Scenario
 
 
 def interval_mask(windows: tuple[Window, ...], intervals: int) -> npt.NDArray[np.bool_]:

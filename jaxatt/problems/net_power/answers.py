@@ -109,7 +109,9 @@ def judged(scenario: Scenario, start: PhaseStart, found: Answers) -> tuple[Phase
         baseline = flown.flight if law is not None else None
     else:
         flown = flown_again(manoeuvre, found.solved)
-        baseline = None if law is None else fly_baseline([manoeuvre], law)
+        baseline = found.solved.law
+        if baseline is None and law is not None:
+            baseline = fly_baseline([manoeuvre], law)
     phase, end = phase_of(flown, family, baseline)
     if task is not None:
         phase = replace(phase, section=_of_task(phase, task))

@@ -26,6 +26,7 @@ from jaxatt.problems.net_power.plan.manoeuvre import Terms, held_rate, task_mano
 from jaxatt.problems.net_power.plan.task import Task
 from jaxatt.problems.net_power.reading.scenario import read_along
 from jaxatt.problems.net_power.wheels.search import search_wheels
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.orbit import on_date
 from jaxatt.problems.scenario import Orbit, Scenario
@@ -161,7 +162,9 @@ def _set_out(scenario: Scenario, days: Floats, dates: _Dates) -> None:
             orbit = on_date(orbit, document["orbit"], scenario.origin, scenario.folder, [], day)
             dates.orbits[k] = orbit
             document["orbit"]["epoch"] = moment_text(day)
-            dated = read_along(copy.deepcopy(document), scenario.origin, scenario.folder, orbit)
+            dated = read_along(
+                copy.deepcopy(document), scenario.origin, scenario.folder, orbit, Faults()
+            )
         except ValueError as error:
             dates.reason[k] = str(error)
             continue

@@ -18,6 +18,7 @@ from jaxatt.problems.net_power.reading.scenario import read_net_power
 from jaxatt.problems.net_power.report.sections import NET_POWER
 from jaxatt.problems.net_power.sensitive import sensitive_manoeuvre
 from jaxatt.problems.net_power.targets import answer_targets
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sensitive import SensitiveAnswer
 from jaxatt.records.phase import Phase
@@ -36,8 +37,10 @@ class NetPower(Family):
     sections = NET_POWER
     mapped = ("energy.net_J", "energy.gain_J")
 
-    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-        return read_net_power(document, origin, folder)
+    def read(
+        self, document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+    ) -> Scenario:
+        return read_net_power(document, origin, folder, faults)
 
     def phases(self, scenario: Scenario) -> int:
         """One for a manoeuvre, one for each task of a plan."""

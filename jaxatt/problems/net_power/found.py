@@ -29,6 +29,7 @@ class Solved:
     alone; None where all were.
     substeps : steps of the motion an interval that the solver took.
     limits : of the wheels, that it kept to; None where it did not count them.
+    law : flight of the PD law beside the answers, where the search has flown it for them alone.
     """
 
     torque: Floats
@@ -41,6 +42,7 @@ class Solved:
     refined: Flags | None = None
     substeps: int = 1
     limits: WheelLimits | None = None
+    law: PoweredFlight | None = None
 
     def pick(self, rows: npt.NDArray[np.int64]) -> Solved:
         """Answers of some of the starts."""

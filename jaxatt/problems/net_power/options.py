@@ -8,19 +8,8 @@ from dataclasses import dataclass
 from jaxatt.problems.net_power.baseline import PDBaseline
 from jaxatt.problems.net_power.manoeuvre import Satellite
 from jaxatt.problems.net_power.plan.task import Task
+from jaxatt.problems.net_power.weights import Weights as Weights
 from jaxatt.runtime.arrays import Floats
-
-
-@dataclass(frozen=True)
-class Weights:
-    """Weights of the printed cost (3.5): of the attitude's and the rate's error, and of time.
-
-    In joules, J s^2 and J/s where energy is the cost; in watts, W s^2 and W/s where mean power is.
-    """
-
-    attitude: float = 0.0
-    rate: float = 0.0
-    time: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

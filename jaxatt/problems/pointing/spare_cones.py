@@ -21,10 +21,11 @@ def spare_cones(count: int) -> int:
     return -count % _APART
 
 
-def with_spare_cones(path: PointingPath) -> PointingPath:
-    """The same limits, with cones about no direction: their margins are positive, and fixed."""
+def with_spare_cones(path: PointingPath, more: int) -> PointingPath:
+    """The same limits, and more cones about no direction: their margins are positive, and fixed."""
+    if not more:
+        return path
     limits = path.limits
-    more = spare_cones(limits.count)
 
     def filled(leaf: Any, value: float, axis: int) -> Any:
         leaf = np.asarray(leaf)

@@ -7,23 +7,8 @@ from functools import partial
 from typing import Any
 
 from jaxatt.problems.reading.fields import ScenarioError, ScenarioErrors, Table, missing_table
-from jaxatt.problems.reading.keys import (
-    Choice,
-    Each,
-    Either,
-    Flag,
-    Key,
-    Matrix,
-    Number,
-    Numbers,
-    Rows,
-    TableKey,
-    Text,
-    Texts,
-    Whole,
-)
+from jaxatt.problems.reading.keys import Choice, Either, Key, TableKey
 from jaxatt.problems.reading.schema import nearest
-from jaxatt.spacecraft.checks import FieldError, Float64, finite_array, positive
 
 
 def refuse_faults(document: Mapping[str, Any], origin: str, declared: TableKey) -> None:
@@ -122,51 +107,5 @@ def _form(value: Any, declared: Either) -> Key:
 
 def _read(table: Table, key: str, declared: Key | None) -> None:
     """Read a value as it is declared, to see whether that is refused."""
-    match declared:
-        case Number():
-            table.number(key)
-        case Whole():
-            table.integer(key)
-        case Flag():
-            table.flag(key)
-        case Text():
-            table.text(key)
-        case Texts():
-            table.texts(key)
-        case Choice():
-            table.choice(key)
-        case Numbers():
-            table.vector(key)
-        case Each():
-            _read_each(table, key, declared)
-        case Rows():
-            table.rows(key)
-        case Matrix():
-            _read_matrix(table, key)
-
-
-def _read_matrix(table: Table, key: str) -> None:
-    array = _numbers(table, key)
-    if array.shape != (3, 3):
-        table.fail(key, f"has shape {array.shape}", "give three rows of three numbers")
-
-
-def _read_each(table: Table, key: str, declared: Each) -> None:
-    array = _numbers(table, key, declared.infinite)
-    try:
-        if not declared.signed:
-            positive(key, array, zero=declared.zero)
-    except FieldError as error:
-        table.fail(key, *_split(error))
-
-
-def _numbers(table: Table, key: str, infinite: bool = False) -> Float64:
-    try:
-        return finite_array(key, table.data[key], infinite=infinite)
-    except FieldError as error:
-        table.fail(key, *_split(error))
-
-
-def _split(error: FieldError) -> tuple[str, str]:
-    problem, _, mend = error.problem.partition("; ")
-    return problem, mend
+    if declared is not None and declared.reader:
+        getattr(table, declared.reader)(key)

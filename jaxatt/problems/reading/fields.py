@@ -10,6 +10,7 @@ import numpy as np
 
 from jaxatt.problems.reading.keys import (
     Choice,
+    Each,
     Either,
     Flag,
     Key,
@@ -21,7 +22,16 @@ from jaxatt.problems.reading.keys import (
     Whole,
 )
 from jaxatt.problems.reading.schema import nearest, unit_of, unknown_key_mend
-from jaxatt.spacecraft.checks import LARGEST, SMALLEST, Float64, as_float, brief
+from jaxatt.spacecraft.checks import (
+    LARGEST,
+    SMALLEST,
+    FieldError,
+    Float64,
+    as_float,
+    brief,
+    finite_array,
+    positive,
+)
 
 _TINY = 1e-12
 """Length of a vector that is no direction."""
@@ -282,6 +292,32 @@ class Table:
         except TypeError:
             self.fail(key, "holds something that is no number", "give plain numbers")
         return np.array(numbers).reshape(-1, 3).T
+
+    def each(self, key: str) -> Float64:
+        """Return a number for all parts, or a list with one for each."""
+        found = self.declared(key, Each)
+        array = self._array(key, found.infinite)
+        try:
+            return array if found.signed else positive(key, array, zero=found.zero)
+        except FieldError as error:
+            self._refuse(key, error)
+
+    def matrix(self, key: str) -> Float64:
+        """Return three rows of three numbers."""
+        array = self._array(key)
+        if array.shape != (3, 3):
+            self.fail(key, f"has shape {array.shape}", "give three rows of three numbers")
+        return array
+
+    def _array(self, key: str, infinite: bool = False) -> Float64:
+        try:
+            return finite_array(key, self.require(key), infinite=infinite)
+        except FieldError as error:
+            self._refuse(key, error)
+
+    def _refuse(self, key: str, error: FieldError) -> NoReturn:
+        problem, _, mend = error.problem.partition("; ")
+        self.fail(key, problem, mend)
 
     def _finite(self, key: str, value: Any, *, any_size: bool = False) -> float:
         unit = unit_of(key)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
 
 from jaxatt.problems.reading.checking import find_faults
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.keys import Choice, Key, TableKey
 from jaxatt.problems.reading.schema import (
@@ -21,13 +23,17 @@ from jaxatt.problems.reading.schema import (
 class FileFormat:
     """Values of `system` and of `objective.kind` that a family answers to, and its TOML tables.
 
-    The first kind is the default.
+    The first kind is the default.  title : of such files, as pages show it.
+    parts : reads what takes no computing; its arguments are those of `Family.read`, and remarks
+    before the faults.
     """
 
     name: str
+    title: str
     systems: tuple[str, ...]
     kinds: tuple[str, ...]
     tables: Mapping[str, TableKey]
+    parts: Callable[[dict[str, Any], str, Path | None, list[str], Faults], object]
 
 
 class Formatted(Protocol):
@@ -46,7 +52,10 @@ class Formatted(Protocol):
     def tables(self) -> Mapping[str, TableKey]: ...
 
 
-def format_of(document: Mapping[str, Any], origin: str, formats: Sequence[Formatted]) -> Formatted:
+F = TypeVar("F", bound=Formatted)
+
+
+def format_of(document: Mapping[str, Any], origin: str, formats: Sequence[F]) -> F:
     """The one of several formats that answers to a document's system and kind of objective.
 
     Raises `ScenarioError`.

@@ -8,6 +8,11 @@ from typing import NoReturn
 from jaxatt.problems.reading.fields import Table
 
 
+def nearest_whole(value: float) -> int:
+    """Return the nearest whole number, halves upward (Python's round takes the even one)."""
+    return math.floor(value + 0.5)
+
+
 def read_final_time(table: Table, default: str = "fixed") -> tuple[bool, float, float]:
     """Read from [horizon] whether the final time is free, and its shortest and longest [s]."""
     free = table.choice("final_time", default) == "free"

@@ -10,7 +10,7 @@ from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.names import read_name
 from jaxatt.problems.reading.printed import PrintedNumbers, read_printed
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES, Tables, scenario_keys
-from jaxatt.problems.scenario import SolverSettings
+from jaxatt.problems.scenario_parts import SolverSettings
 
 
 @dataclass(frozen=True)

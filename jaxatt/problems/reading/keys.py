@@ -8,15 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 Keys = Mapping[str, "Key"]
+Schema = dict[str, Any]
+
+_LARGEST_WHOLE = 2**31 - 1
+_NUMBER: Schema = {"type": "number"}
+_TEXT: Schema = {"type": "string", "pattern": r"\S"}
+_TRIPLE: Schema = {"type": "array", "items": _NUMBER, "minItems": 3, "maxItems": 3}
 
 
 @dataclass(frozen=True, eq=False)
 class Key:
-    """A key of any type.
+    """A key of any type; each type says what it is in words and in a JSON schema.
 
+    reader : name of the method of `fields.Table` that reads such a value; empty where any will do.
     meaning : half a sentence on what it is.
     default : value that stands for it where it is left out; None where none does.
     otherwise : words on what stands for it, where that depends on other keys.
@@ -31,6 +38,15 @@ class Key:
     required: bool = False
     unless: tuple[str, ...] = ()
     example: str = "1.0"
+    reader: ClassVar[str] = ""
+
+    def words(self) -> str:
+        """Type and range."""
+        return "any"
+
+    def schema(self) -> Schema:
+        """JSON schema of a value."""
+        return {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +57,13 @@ class Number(Key):
     above: float | None = None
     at_least: float | None = None
     at_most: float | None = None
+    reader: ClassVar[str] = "number"
+
+    def words(self) -> str:
+        return f"number{_range(self.above, self.at_least, self.at_most)}"
+
+    def schema(self) -> Schema:
+        return _bounds(self.above, self.at_least, self.at_most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +72,16 @@ class Whole(Key):
 
     _: KW_ONLY
     at_least: int = 1
-    at_most: int = 2**31 - 1
+    at_most: int = _LARGEST_WHOLE
     example: str = "1"
+    reader: ClassVar[str] = "integer"
+
+    def words(self) -> str:
+        most = None if self.at_most == _LARGEST_WHOLE else self.at_most
+        return f"whole number{_range(None, self.at_least, most)}"
+
+    def schema(self) -> Schema:
+        return {"type": "integer", "minimum": self.at_least, "maximum": self.at_most}
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +90,13 @@ class Flag(Key):
 
     _: KW_ONLY
     default: bool = False
+    reader: ClassVar[str] = "flag"
+
+    def words(self) -> str:
+        return "true or false"
+
+    def schema(self) -> Schema:
+        return {"type": "boolean"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +105,13 @@ class Text(Key):
 
     _: KW_ONLY
     example: str = '"..."'
+    reader: ClassVar[str] = "text"
+
+    def words(self) -> str:
+        return "text"
+
+    def schema(self) -> Schema:
+        return _TEXT
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +121,13 @@ class Texts(Key):
     _: KW_ONLY
     size: int | None = None
     example: str = '["..."]'
+    reader: ClassVar[str] = "texts"
+
+    def words(self) -> str:
+        return "list of texts" if self.size is None else f"{self.size} texts"
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": _TEXT, **_size(self.size)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +136,13 @@ class Choice(Key):
 
     _: KW_ONLY
     options: tuple[str, ...] = ()
+    reader: ClassVar[str] = "choice"
+
+    def words(self) -> str:
+        return ", ".join(f'`"{option}"`' for option in self.options)
+
+    def schema(self) -> Schema:
+        return {"enum": list(self.options)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +158,14 @@ class Numbers(Key):
     size: int | None = None
     any_size: bool = False
     above: float | None = None
+    reader: ClassVar[str] = "vector"
+
+    def words(self) -> str:
+        count = "list of" if self.size is None else str(self.size)
+        return f"{count} numbers{_range(self.above)}"
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": _bounds(self.above), **_size(self.size)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +181,16 @@ class Each(Key):
     infinite: bool = False
     signed: bool = False
     at_most: float | None = None
+    reader: ClassVar[str] = "each"
+
+    def words(self) -> str:
+        least = "" if self.signed else " >= 0" if self.zero else " > 0"
+        return f"number, or one for each,{least}".rstrip(",")
+
+    def schema(self) -> Schema:
+        least = None if self.signed else 0.0
+        item = _bounds(at_least=least) if self.zero else _bounds(least)
+        return {"anyOf": [item, {"type": "array", "items": item, "minItems": 1}]}
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,11 +200,26 @@ class Rows(Key):
     _: KW_ONLY
     of: str = ""
     example: str = "[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]"
+    reader: ClassVar[str] = "rows"
+
+    def words(self) -> str:
+        return "rows of 3 numbers"
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": _TRIPLE, "minItems": 1}
 
 
 @dataclass(frozen=True, eq=False)
 class Matrix(Key):
     """Three rows of three numbers."""
+
+    reader: ClassVar[str] = "matrix"
+
+    def words(self) -> str:
+        return "3 rows of 3 numbers"
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": _TRIPLE, **_size(3)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +228,9 @@ class Either(Key):
 
     _: KW_ONLY
     forms: tuple[Key, ...] = ()
+
+    def words(self) -> str:
+        return ", or ".join(form.words() for form in self.forms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,3 +275,25 @@ class TableKey(Key, Mapping[str, Key]):
 
     def __len__(self) -> int:
         return len(self.keys_)
+
+    def words(self) -> str:
+        return "tables" if self.many else "table in braces"
+
+
+def _bounds(
+    above: float | None = None, at_least: float | None = None, at_most: float | None = None
+) -> Schema:
+    found = {"exclusiveMinimum": above, "minimum": at_least, "maximum": at_most}
+    return {**_NUMBER, **{name: limit for name, limit in found.items() if limit is not None}}
+
+
+def _size(size: int | None) -> Schema:
+    return {} if size is None else {"minItems": size, "maxItems": size}
+
+
+def _range(
+    above: float | None = None, at_least: float | None = None, at_most: float | None = None
+) -> str:
+    parts = (("> ", above), (">= ", at_least), ("<= ", at_most))
+    told = ", ".join(f"{sign}{limit:g}" for sign, limit in parts if limit is not None)
+    return f" {told}" if told else ""

@@ -8,27 +8,26 @@ from typing import Any
 from jaxatt.problems.manoeuvre import InitialState, Target, Waypoint
 from jaxatt.problems.reading.aims import read_goal, read_state
 from jaxatt.problems.reading.directions import Sky
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
-from jaxatt.problems.reading.free_time import refuse_seconds
+from jaxatt.problems.reading.free_time import nearest_whole, refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.wheel_bias import TOLERANCE, read_bias
-from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.problems.scenario import Horizon
-from jaxatt.spacecraft import ReactionWheels, Spacecraft
-
-
-def nearest_whole(value: float) -> int:
-    """Return the nearest whole number, halves upward (Python's round takes the even one)."""
-    return math.floor(value + 0.5)
+from jaxatt.runtime.arrays import Floats
+from jaxatt.spacecraft import ReactionWheels
 
 
 def read_initial(
-    data: Any, origin: str, vehicle: Spacecraft, notes: list[str], sky: Sky
+    data: Any, origin: str, notes: list[str], sky: Sky, speeds: Floats
 ) -> InitialState:
-    """Read the initial state of a spacecraft; sky : what its attitude may be told by."""
+    """Read the initial state of a spacecraft.
+
+    sky : what its attitude may be told by.  speeds : (n,) [rad/s], of the wheels.
+    """
     table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
-    speeds = read_wheel_speeds(table, vehicle.wheels)
-    return InitialState(*read_state(table, notes, sky, 0.0), speeds)
+    state = read_state(table, notes, sky, 0.0)
+    return InitialState(*state, speeds)
 
 
 def read_targets(
@@ -55,12 +54,23 @@ def read_targets(
         raise ScenarioError(
             f"{origin}: legs: must be a list of tables; write [[legs]] with double brackets"
         )
-    return tuple(
-        read_target(
-            phase, origin, f"[[legs]] no. {leg}", notes, sky, leg * first, leg * last, wheels
+    faults = Faults()
+    targets = tuple(
+        faults.of(
+            read_target,
+            phase,
+            origin,
+            f"[[legs]] no. {leg}",
+            notes,
+            sky,
+            leg * first,
+            leg * last,
+            wheels,
         )
         for leg, phase in enumerate(phases, 1)
     )
+    faults.refuse()
+    return targets
 
 
 def read_target(

@@ -12,6 +12,7 @@ from jaxatt.attitude.free_roll import facing
 from jaxatt.attitude.host_turns import product, to_body, turned_by
 from jaxatt.problems.pointing.case import Cone, Pointing
 from jaxatt.problems.reading.directions import Sky, check_sight, read_direction
+from jaxatt.problems.reading.faults import UNSOUND, Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.spacecraft.checks import Float64
@@ -55,6 +56,7 @@ def read_pointing(
     first, last : [s], the shortest and longest that the motion takes.
     Raises `ScenarioError`.
     """
+    faults = Faults()
     cones: list[Cone] = []
     for key, kind in (("keep_out", "keep-out"), ("keep_in", "keep-in")):
         tables = document.get(key, [])
@@ -64,18 +66,29 @@ def read_pointing(
             )
         for index, data in enumerate(tables):
             label = f"[[{key}]] no. {index + 1}"
-            table = Table(data, origin, label, SPACECRAFT_TABLES[key])
-            cone = _cone(table, kind, notes, sky, first, last)
-            if cone.name in (other.name for other in cones):
-                table.fail("name", "another cone has it", "give every cone a name of its own")
-            cones.append(cone)
-    pointing = Pointing(tuple(cones), _rate_limit(document.get("limits", {}), origin))
+            table = faults.of(Table, data, origin, label, SPACECRAFT_TABLES[key])
+            cone = faults.of(_cone, table, kind, notes, sky, first, last, cones)
+            if cone is not UNSOUND:
+                cones.append(cone)
+    limit = faults.of(_rate_limit, document.get("limits", {}), origin)
+    faults.refuse()
+    pointing = Pointing(tuple(cones), limit)
     _check_together(pointing, first, origin)
     return pointing
 
 
-def _cone(table: Table, kind: str, notes: list[str], sky: Sky, first: float, last: float) -> Cone:
+def _cone(
+    table: Table,
+    kind: str,
+    notes: list[str],
+    sky: Sky,
+    first: float,
+    last: float,
+    others: Sequence[Cone],
+) -> Cone:
     name = table.text("name")
+    if name in (other.name for other in others):
+        table.fail("name", "another cone has it", "give every cone a name of its own")
     half = table.number("half_angle_deg")
     if half >= 180.0:
         table.fail("half_angle_deg", "must be less than 180", "give half of the cone's opening")

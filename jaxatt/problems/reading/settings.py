@@ -9,7 +9,7 @@ from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.free_time import read_final_time
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.tables.manoeuvre import MOST_STEPS
-from jaxatt.problems.scenario import Disturbances, Horizon
+from jaxatt.problems.scenario_parts import Disturbances, Horizon
 
 _LARGEST_PHASE = 1000.0
 """[rad] of a sinusoidal torque in a control interval."""

@@ -8,15 +8,10 @@ from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part
 from jaxatt.problems.reading.wheel_axes import read_wheel_axes
 from jaxatt.problems.reading.wheel_speeds import read_avoid
-from jaxatt.spacecraft import (
-    Magnetorquers,
-    ReactionWheels,
-    Thrusters,
-    magnetorquers,
-    reaction_wheels,
-    thrusters,
-)
 from jaxatt.spacecraft.failed_wheels import loss_sentence, without
+from jaxatt.spacecraft.parts.magnetorquers import Magnetorquers, magnetorquers
+from jaxatt.spacecraft.parts.thrusters import Thrusters, thrusters
+from jaxatt.spacecraft.parts.wheels import ReactionWheels, reaction_wheels
 
 _MOTORS = ("coulomb", "viscous", "full_torque_speed", "no_torque_speed")
 """Arguments of `wheel_motors`."""

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.tables.vehicle import VEHICLE_PARTS
-from jaxatt.spacecraft import FieldError
+from jaxatt.spacecraft.checks import FieldError
 
 Part = TypeVar("Part")
 

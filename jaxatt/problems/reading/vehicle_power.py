@@ -7,7 +7,8 @@ import math
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.tables.vehicle import LOADS
 from jaxatt.problems.reading.vehicle_part import checked, part
-from jaxatt.spacecraft import Battery, SolarPanels, battery, solar_panels
+from jaxatt.spacecraft.parts.battery import Battery, battery
+from jaxatt.spacecraft.parts.panels import SolarPanels, solar_panels
 
 _HOUR = 3600.0
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading.documents import parse, read_file
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import nearest
 from jaxatt.problems.reading.tables.vehicle import VEHICLE, VEHICLE_FILE_KEYS, VEHICLE_PARTS
@@ -16,10 +17,12 @@ from jaxatt.problems.reading.vehicle_actuators import (
     read_thrusters,
     read_wheels,
 )
-from jaxatt.problems.reading.vehicle_part import TOML_NAMES, part, split
+from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part, split
 from jaxatt.problems.reading.vehicle_power import read_battery, read_loads, read_panels
 from jaxatt.problems.reading.wheel_axes import other_mounting
-from jaxatt.spacecraft import FieldError, Spacecraft, create
+from jaxatt.spacecraft.checks import FieldError
+from jaxatt.spacecraft.inertia import checked_inertia
+from jaxatt.spacecraft.parts.vehicle import Spacecraft, create
 
 
 def _folder() -> Traversable:
@@ -136,18 +139,31 @@ def _build(table: Table, notes: list[str], magnetorquers_alone: bool) -> Spacecr
     name = table.text("name", "spacecraft")
     table.text("title", " ")
     table.text("source", " ")
+    faults = Faults()
+    faults.of(_inertia, table)
+    wheels = faults.of(read_wheels, table, notes)
+    parts = (
+        wheels,
+        name,
+        faults.of(read_thrusters, table),
+        faults.of(read_magnetorquers, table, notes),
+        faults.of(read_panels, table),
+        faults.of(read_battery, table),
+        faults.of(read_loads, table),
+    )
+    craft = faults.of(_assembled, table, notes, *parts)
+    faults.refuse()
+    return craft
+
+
+def _inertia(table: Table) -> None:
+    """Refuse an inertia that no body can have, whatever is wrong with the other parts."""
+    checked(table, lambda: checked_inertia(table.data["inertia_kgm2"], []))
+
+
+def _assembled(table: Table, notes: list[str], *parts: Any) -> Spacecraft:
     try:
-        return create(
-            table.data["inertia_kgm2"],
-            read_wheels(table, notes),
-            name,
-            read_thrusters(table),
-            read_magnetorquers(table, notes),
-            read_panels(table),
-            read_battery(table),
-            read_loads(table),
-            notes=notes,
-        )
+        return create(table.data["inertia_kgm2"], *parts, notes=notes)
     except FieldError as error:
         if error.field == "torque_directions":
             part(table, "thrusters").fail(error.field, *split(error))

@@ -7,7 +7,7 @@ import numpy as np
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.wheel_speeds import read_wheel_speeds
 from jaxatt.runtime.arrays import Floats
-from jaxatt.spacecraft import ReactionWheels
+from jaxatt.spacecraft.parts.wheels import ReactionWheels
 from jaxatt.spacecraft.wheel_bias import bias_of, unit_bias
 
 BIAS, TOLERANCE = "wheel_bias_rad_s", "wheel_bias_tolerance_rad_s"

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.reading.fields import Table
+from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.tables.vehicle import AVOID_KEYS
 from jaxatt.runtime.arrays import Floats
-from jaxatt.spacecraft import ReactionWheels
 from jaxatt.spacecraft.checks import FieldError
-from jaxatt.spacecraft.speed_bands import speed_bands
+from jaxatt.spacecraft.parts.speed_bands import speed_bands
+from jaxatt.spacecraft.parts.wheels import ReactionWheels
 
 _NAMES = {
     "slowest": "from_rad_s",
@@ -70,6 +71,12 @@ def read_wheel_speeds(
     kept: Floats = speeds[list(wheels.working)]
     check_speeds(table, kept, wheels, key)
     return kept
+
+
+def read_initial_speeds(data: Any, origin: str, wheels: ReactionWheels) -> Floats:
+    """Read the speeds (n,) [rad/s] with which the wheels that work begin, from [initial]."""
+    table = Table(data, origin, "[initial]", SPACECRAFT_TABLES["initial"])
+    return read_wheel_speeds(table, wheels)
 
 
 def check_speeds(

@@ -10,6 +10,7 @@ import numpy as np
 
 from jaxatt.problems.family import Family, PhaseStart, SearchOptions
 from jaxatt.problems.manoeuvre import InitialState
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.sensitive import OptimalObjective, SensitiveAnswer
 from jaxatt.problems.time_optimal.arcs import Arcs, resolve_switches
@@ -47,8 +48,10 @@ class TimeOptimal(Family):
     sections = TIME_OPTIMAL
     mapped = ("final_time_s",)
 
-    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-        return read_time_optimal(document, origin, folder)
+    def read(
+        self, document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+    ) -> Scenario:
+        return read_time_optimal(document, origin, folder, faults)
 
     def search(
         self, scenario: Scenario, start: PhaseStart, options: SearchOptions, report: Report | None

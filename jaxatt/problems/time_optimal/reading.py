@@ -2,178 +2,89 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from jaxatt.problems.manoeuvre import InitialState, Target
-from jaxatt.problems.reading import manoeuvre, settings
+from jaxatt.problems.reading import manoeuvre
 from jaxatt.problems.reading.directions import Sky
-from jaxatt.problems.reading.fields import ScenarioError, Table
-from jaxatt.problems.reading.free_time import read_final_time
-from jaxatt.problems.reading.heading import read_heading
+from jaxatt.problems.reading.faults import Faults
+from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.heading import Heading
 from jaxatt.problems.reading.moments import moments_of
 from jaxatt.problems.reading.pointing import check_moments, read_pointing
-from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.reading.tables.objective import TIME_KINDS
-from jaxatt.problems.reading.vehicles import read_vehicle
-from jaxatt.problems.scenario import Control, Horizon, Objective, Scenario, Transcription
+from jaxatt.problems.scenario import Scenario
+from jaxatt.problems.time_optimal.reading_parts import read_parts
 from jaxatt.spacecraft import Spacecraft
 from jaxatt.spacecraft.checks import Float64
-from jaxatt.spacecraft.scale import largest_torque_limit
 from jaxatt.spacecraft.wheels import storage_share
 
-_COMPARED = {"final_time_s": 1, "final_time_below_s": 1, "step_s": 1}
-_PRINTED = {kind: _COMPARED for kind in TIME_KINDS}
-_DEFAULT_WEIGHT, _TORQUE_LIMIT = 0.01, 0.55
-"""rho [1/(N m)^2] of the source's section 6, and the limit of its wheels [N m]."""
-_SPARSE_KEYS = (
-    "design",
-    "time_weight_1_s",
-    "epsilon_Nm",
-    "rate_weight_s2",
-    "attitude_weight",
-    "sparsity_weight",
-    "waypoint_weight",
-    "on_off_weight",
-    "on_off_form",
-)
-"""Keys of [objective] that mean nothing here."""
-_ELSEWHERE = {
-    "orbit": "such turns are solved in the inertial frame",
-    "disturbances": "such turns are solved without external torques",
-    "legs": "such turns have one target",
-    "waypoint": "such turns pass no waypoint",
-    "windows": "such turns may use every interval",
-}
 
-
-def read_time_optimal(document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
+def read_time_optimal(
+    document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+) -> Scenario:
     """Read and check the scenario; see `Family.read`."""
-    heading = read_heading(document, origin, SPACECRAFT_TABLES, _PRINTED)
-    if "other_target" in heading.printed:
-        manoeuvre.read_target(
-            heading.printed["other_target"], origin, "[printed.other_target]", [], Sky()
-        )
     notes: list[str] = []
-    vehicle = read_vehicle(document["vehicle"], origin, folder, notes)
-    objective = _read_objective(document["objective"], origin, vehicle)
-    _check_document(document, origin, notes)
-    horizon = _read_horizon(document["horizon"], origin)
+    parts = read_parts(document, origin, folder, notes, faults)
+    vehicle, horizon = parts.vehicle, parts.horizon
+    faults.of(_check_printed, parts.heading, origin)
     sky = Sky(
         folder=folder,
-        without_orbit=f"kind = {objective.kind} is solved without an orbit, in the inertial frame: "
-        "give direction_inertial or right_ascension_deg",
+        without_orbit=f"kind = {document['objective']['kind']} is solved without an orbit, in the "
+        "inertial frame: give direction_inertial or right_ascension_deg",
     )
-    targets = manoeuvre.read_targets(document, origin, notes, sky, horizon, vehicle.wheels)
-    control = _read_control(document.get("control", {}), origin)
-    initial = manoeuvre.read_initial(document["initial"], origin, vehicle, notes, sky)
-    _check_storable(origin, vehicle, initial, targets[0])
+    targets = faults.of(
+        manoeuvre.read_targets, document, origin, notes, sky, horizon, vehicle.wheels
+    )
+    speeds = faults.or_else(parts.speeds, np.zeros(0))
+    initial = faults.of(
+        manoeuvre.read_initial, faults.table(document, "initial"), origin, notes, sky, speeds
+    )
+    if speeds is parts.speeds:
+        faults.of(_check_storable, origin, vehicle, initial, targets)
+    pointing = faults.of(
+        read_pointing, document, origin, notes, sky, horizon.shortest, horizon.longest
+    )
+    faults.refuse()
     scenario = Scenario(
-        **vars(heading),
+        **vars(parts.heading),
         family="time-optimal",
         vehicle=vehicle,
         initial=initial,
         targets=targets,
         horizon=horizon,
-        control=control,
-        objective=objective,
+        control=parts.control,
+        objective=parts.objective,
         notes=tuple(notes),
         document=document,
         origin=origin,
         folder=folder,
-        transcription=_read_transcription(document.get("transcription", {}), origin),
-        pointing=read_pointing(document, origin, notes, sky, horizon.shortest, horizon.longest),
+        transcription=parts.transcription,
+        pointing=pointing,
     )
     if scenario.pointing:
         check_moments(scenario.pointing, moments_of(scenario), origin)
     return scenario
 
 
-def _check_document(document: Mapping[str, Any], origin: str, notes: list[str]) -> None:
-    """Refuse tables and keys that have no meaning where time is minimised.
-
-    Raises `ScenarioError`.
-    """
-    objective = Table(document["objective"], origin, "[objective]", SPACECRAFT_TABLES["objective"])
-    kind = objective.text("kind")
-    for name, reason in _ELSEWHERE.items():
-        if name in document:
-            raise ScenarioError(f"{origin}: {name}: not with kind = {kind}; {reason}, drop it")
-    if objective.choice("terminal") == "penalty":
-        objective.fail("terminal", f"kind = {kind} always reaches", 'use "reach" or leave it out')
-    for key in _SPARSE_KEYS:
-        if key in objective:
-            objective.fail(key, "belongs to the sparse objectives", f"drop it for kind = {kind}")
-    if kind == "minimum-time" and "effort_weight" in objective:
-        notes.append("[objective] effort_weight is not used by kind = minimum-time")
-
-
-def _read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
-    table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
-    kind = table.choice("kind")
-    usual = _DEFAULT_WEIGHT * (_TORQUE_LIMIT / largest_torque_limit(vehicle)) ** 2
-    weight = table.number("effort_weight", usual)
-    return Objective(
-        kind=kind,
-        effort_weight=weight if kind == "time-effort" else 0.0,
-    )
-
-
-def _read_horizon(data: Any, origin: str) -> Horizon:
-    """Read a horizon whose time is found: the number of intervals, and limits of the time."""
-    table = Table(data, origin, "[horizon]", SPACECRAFT_TABLES["horizon"])
-    if table.choice("final_time", "free") == "fixed":
-        table.fail("final_time", "this objective finds the final time", 'use "free" or drop it')
-    for key, mend in (
-        ("horizon_s", "drop it; shortest_s and longest_s limit it"),
-        ("coast_intervals", "drop it"),
-    ):
-        if key in table:
-            table.fail(key, "this objective finds the final time, and nothing follows it", mend)
-    _, shortest, longest = read_final_time(table, "free")
-    intervals = table.integer("intervals")
-    return Horizon(
-        duration=longest,
-        intervals=intervals,
-        coast_intervals=0,
-        substeps=settings.read_substeps(table, intervals),
-        free=True,
-        shortest=shortest,
-        longest=longest,
-    )
-
-
-def _read_transcription(data: Any, origin: str) -> Transcription:
-    """Read the attitude coordinates and the integration method."""
-    table = Table(data, origin, "[transcription]", SPACECRAFT_TABLES["transcription"])
-    return Transcription(
-        attitude=table.choice("attitude"),
-        integration=table.choice("integration"),
-    )
-
-
-def _read_control(data: Any, origin: str) -> Control:
-    """Read the control of such a turn: each wheel and thruster by itself, not quantised."""
-    table = Table(data, origin, "[control]", SPACECRAFT_TABLES["control"])
-    for key, only in (("axes", "wheels"), ("quantisation", "none")):
-        if key in table and table.data[key] != only:
-            table.fail(key, "not where time is minimised", f'use "{only}" or leave it out')
-    return Control("wheels", math.inf, "none")
+def _check_printed(heading: Heading, origin: str) -> None:
+    if "other_target" in heading.printed:
+        manoeuvre.read_target(
+            heading.printed["other_target"], origin, "[printed.other_target]", [], Sky()
+        )
 
 
 def _check_storable(
-    origin: str, vehicle: Spacecraft, initial: InitialState, target: Target
+    origin: str, vehicle: Spacecraft, initial: InitialState, targets: tuple[Target, ...]
 ) -> None:
     """Refuse wheel speed limits that cannot hold the momentum that is left at the target.
 
     Without external torques the total momentum stays as it is in the inertial frame, and with the
     target's attitude and rate what the wheels must hold then is known.  Raises `ScenarioError`.
     """
-    wheels = vehicle.wheels
+    wheels, (target, *_) = vehicle.wheels, targets
     known = target.boresight is None  # otherwise what is left depends on the roll that is found
     if vehicle.thrusters.count or not known or not np.isfinite(wheels.speed_limit).any():
         return

@@ -10,6 +10,7 @@ from jaxatt.problems.family import PhaseStart
 from jaxatt.problems.hands_off.family import SparseFamily
 from jaxatt.problems.hands_off.phase_search import Build
 from jaxatt.problems.hands_off.task import Flown
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.scenario import Scenario
 from jaxatt.problems.toy.build import build_toy
 from jaxatt.problems.toy.file_format import FORMAT
@@ -28,8 +29,10 @@ class Toy(SparseFamily):
     tables = FORMAT.tables
     sections = TOY
 
-    def read(self, document: dict[str, Any], origin: str, folder: Path | None) -> Scenario:
-        return read_toy(document, origin, folder)
+    def read(
+        self, document: dict[str, Any], origin: str, folder: Path | None, faults: Faults
+    ) -> Scenario:
+        return read_toy(document, origin, folder, faults)
 
     def build(self, scenario: Scenario, start: PhaseStart) -> Build:
         return functools.partial(build_toy, initial_state=start.state)

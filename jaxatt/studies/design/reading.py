@@ -11,6 +11,7 @@ import numpy as np
 from jaxatt import scenarios
 from jaxatt.problems.reading.checking import refuse_faults
 from jaxatt.problems.reading.documents import parse
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
 from jaxatt.problems.reading.names import read_name
 from jaxatt.problems.reading.schema import nearest
@@ -101,7 +102,7 @@ def _variables(top: Table, scenario: Scenario) -> tuple[Varied, ...]:
     if not isinstance(entries, list) or not entries:
         top.fail("design", "is no list of tables", "write one [[design]] for every number")
     whole = whole_document(scenario)
-    found = []
+    faults, found = Faults(), []
     for k, entry in enumerate(entries):
         for key in _UNLIKE_SWEEPS:
             if isinstance(entry, dict) and key in entry:
@@ -109,7 +110,10 @@ def _variables(top: Table, scenario: Scenario) -> tuple[Varied, ...]:
                     f"{top.origin}: [[design]] no. {k + 1} {key} = {shown(entry[key])}: is for "
                     "sweeps; a design is looked for between two numbers, write from and to"
                 )
-        found.append(read_varied(entry, k, top.origin, "design", "descent", scenario, whole))
+        found.append(
+            faults.of(read_varied, entry, k, top.origin, "design", "descent", scenario, whole)
+        )
+    faults.refuse()
     check_apart(found, top.origin, "design")
     return tuple(found)
 

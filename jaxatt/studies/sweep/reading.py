@@ -12,6 +12,7 @@ from typing import Any
 from jaxatt import scenarios
 from jaxatt.problems.reading.checking import refuse_faults
 from jaxatt.problems.reading.documents import parse, read_file
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table, shown
 from jaxatt.problems.reading.names import read_name
 from jaxatt.report.numbers import CLOCK
@@ -129,10 +130,12 @@ def _bases(
 
 def _varying(base: Base, entries: Sequence[Any], method: str, origin: str) -> Base:
     """A scenario with the quantities that are varied in it."""
+    faults = Faults()
     varied = [
-        read_varied(entry, k, origin, "vary", method, base.scenario, base.whole)
+        faults.of(read_varied, entry, k, origin, "vary", method, base.scenario, base.whole)
         for k, entry in enumerate(entries)
     ]
+    faults.refuse()
     check_apart(varied, origin, "vary")
     return replace(base, varied=tuple(varied))
 

@@ -26,7 +26,7 @@ def test_spare_cones_are_satisfied_by_every_motion_and_change_no_other_row(count
         rng.uniform(0.01, 0.1, rates),
     )
     path = PointingPath(limits, unit(rng, 2, count, 3))
-    filled = with_spare_cones(path)
+    filled = with_spare_cones(path, spare_cones(count))
     assert filled.limits.count == count + spare_cones(count)
     assert filled.limits.count % 4 == 0 and spare_cones(count) < 4
 

@@ -9,9 +9,7 @@ from typing import Any
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
 from jaxatt.problems.reading.tables.objective import SPARSE_KINDS
-from jaxatt.problems.scenario import Horizon, Objective
-from jaxatt.spacecraft import Spacecraft
-from jaxatt.spacecraft.scale import largest_torque_limit
+from jaxatt.problems.scenario_parts import Horizon, Objective
 
 _TORQUE_LIMIT, _EPSILON, _SPARSITY_WEIGHT = 3e-3, 1e-8, 1e1
 """Of the wheels [N m], relaxation [N m] and k3 of Schaanning (2021), section 5.1 and table 5.1."""
@@ -26,10 +24,11 @@ PRINTED = {kind: _COMPARED for kind in SPARSE_KINDS}
 """What `jaxatt compare` sets beside its own values, for each kind."""
 
 
-def read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
+def read_objective(data: Any, origin: str, torque: float) -> Objective:
     """Read the objective; the defaults are those of Schaanning (2021), table 5.1.
 
     Those in units of torque are for its wheels, and in proportion for the vehicle's actuators.
+    torque : [N m], the largest limit of these.
     """
     table = Table(data, origin, "[objective]", SPACECRAFT_TABLES["objective"])
     kind = table.choice("kind")
@@ -38,7 +37,7 @@ def read_objective(data: Any, origin: str, vehicle: Spacecraft) -> Objective:
     design = table.integer("design")
     if design > 3:
         table.fail("design", "not one of the designs", "allowed: 1, 2, 3")
-    stronger = largest_torque_limit(vehicle) / _TORQUE_LIMIT
+    stronger = torque / _TORQUE_LIMIT
     # What L1 weighs is a torque, what L0 weighs a number of intervals.
     sparsity = _SPARSITY_WEIGHT / (stronger if kind == "l1" else 1.0)
     return Objective(

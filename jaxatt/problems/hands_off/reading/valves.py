@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.scenario import Horizon, Objective
-from jaxatt.spacecraft import Spacecraft
+from jaxatt.problems.scenario_parts import Horizon, Objective
 from jaxatt.spacecraft.checks import Float64
+from jaxatt.spacecraft.parts.vehicle import Spacecraft
 
 
 def shortest_interval(vehicle: Spacecraft | None) -> float:

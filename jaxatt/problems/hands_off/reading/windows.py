@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from jaxatt.problems.hands_off.windows import interval_mask
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
-from jaxatt.problems.reading.free_time import refuse_seconds
-from jaxatt.problems.reading.manoeuvre import nearest_whole
+from jaxatt.problems.reading.free_time import nearest_whole, refuse_seconds
 from jaxatt.problems.reading.schema import SPACECRAFT_TABLES
-from jaxatt.problems.scenario import Horizon, Window
+from jaxatt.problems.scenario_parts import Horizon, Window
 
 # A time on the edge of the horizon must not be refused for the rounding of its last digit.
 _TIME_TOLERANCE = 1e-9
@@ -21,16 +21,12 @@ def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]
         raise ScenarioError(
             f"{origin}: windows: must be a list of tables; write [[windows]] with double brackets"
         )
-    windows = []
-    for index, item in enumerate(data):
-        label = f"[[windows]] no. {index + 1}"
-        table = Table(item, origin, label, SPACECRAFT_TABLES["windows"])
-        first, last = _range(table, horizon)
-        forbidden = table.flag("forbidden")
-        if forbidden and "weight" in table:
-            table.fail("weight", "given for a forbidden window", "drop weight or forbidden")
-        weight = 1.0 if forbidden else table.number("weight")
-        windows.append(Window(first, last, weight, forbidden))
+    faults = Faults()
+    windows = [
+        faults.of(_window, item, origin, f"[[windows]] no. {index + 1}", horizon)
+        for index, item in enumerate(data)
+    ]
+    faults.refuse()
     blocked = interval_mask(tuple(w for w in windows if w.forbidden), horizon.intervals)
     if blocked.all():
         raise ScenarioError(
@@ -38,6 +34,16 @@ def read_windows(data: Any, origin: str, horizon: Horizon) -> tuple[Window, ...]
             "leave at least one interval free"
         )
     return tuple(windows)
+
+
+def _window(data: Any, origin: str, label: str, horizon: Horizon) -> Window:
+    table = Table(data, origin, label, SPACECRAFT_TABLES["windows"])
+    first, last = _range(table, horizon)
+    forbidden = table.flag("forbidden")
+    if forbidden and "weight" in table:
+        table.fail("weight", "given for a forbidden window", "drop weight or forbidden")
+    weight = 1.0 if forbidden else table.number("weight")
+    return Window(first, last, weight, forbidden)
 
 
 def _range(table: Table, horizon: Horizon) -> tuple[int, int]:

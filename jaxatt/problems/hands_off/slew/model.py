@@ -15,6 +15,7 @@ from jax import Array
 from jaxatt.attitude import quaternion
 from jaxatt.environment.table import EnvironmentTable
 from jaxatt.problems.pointing.cones import PointingPath
+from jaxatt.problems.pointing.spare_cones import spare_cones
 from jaxatt.problems.terminal_rows import RATE_SCALE, attitude_row, attitude_rows, rolled_rate
 from jaxatt.simulation import momentum_model
 from jaxatt.simulation.momentum_model import BodyParameters
@@ -88,6 +89,10 @@ class SlewForm:
     def path_limited(self) -> bool:
         """Whether there are path constraints besides limits of the controls."""
         return self.speed_limited or self.pointed
+
+    def spare_cones(self, count: int) -> int:
+        """How many cones are added to so many: only with wheels, whose programs share them."""
+        return 0 if self.has_thrusters else spare_cones(count)
 
 
 def body_torque(u: Array, p: SlewParameters) -> Array:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from jaxatt.problems.hands_off.slew.model import SlewForm
 from jaxatt.problems.pointing.case import Pointing
-from jaxatt.problems.pointing.spare_cones import spare_cones
 
 
 def path_names(
@@ -24,8 +23,7 @@ def path_names(
         ]
     if form.pointed:
         rows = [cone.name for cone in pointing.cones]
-        if not form.has_thrusters:
-            rows += ["no cone"] * spare_cones(len(rows))
+        rows += ["no cone"] * form.spare_cones(len(rows))
         if pointing.rate_limit is not None:
             rows += [
                 f"{side} limit of rate {axis}" for side in ("upper", "lower") for axis in "xyz"

@@ -181,9 +181,8 @@ class SlewTask(SparseTask):
         other.system = slew_system(other.form)
         if constraint_margin is not None:
             path = self.pointing.path(self.path_monitor.at_nodes(self.intervals), constraint_margin)
-            plant = replace(
-                plant, pointing=path if self.form.has_thrusters else with_spare_cones(path)
-            )
+            spare = self.form.spare_cones(path.limits.count)
+            plant = replace(plant, pointing=with_spare_cones(path, spare))
         other.arguments = replace(self.arguments, plant=plant)
         return other
 

@@ -1,21 +1,27 @@
-"""Read the objective of a scenario of net power, and the law that it is compared with."""
+"""Read the objective of a scenario of net power."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from jaxatt.problems.net_power.baseline import PDBaseline
-from jaxatt.problems.net_power.options import Weights
 from jaxatt.problems.net_power.reading.tables import KIND, NET_POWER_TABLES
+from jaxatt.problems.net_power.weights import Weights
 from jaxatt.problems.reading.fields import Table
-from jaxatt.problems.scenario import Objective
-from jaxatt.spacecraft import Spacecraft
+from jaxatt.problems.scenario_parts import Objective
+from jaxatt.spacecraft.parts.vehicle import Spacecraft
 
 
-def read_objective(
-    data: Any, origin: str, craft: Spacecraft, free_time: bool
-) -> tuple[Objective, str, str, Weights]:
-    """Read [objective]: what every objective has, wheel power, cost and weights."""
+class EnergyObjective(NamedTuple):
+    """What every objective has, the form of the wheels' power, the cost and its weights."""
+
+    objective: Objective
+    wheel_power: str
+    cost: str
+    weights: Weights
+
+
+def read_objective(data: Any, origin: str, craft: Spacecraft, free_time: bool) -> EnergyObjective:
+    """Read [objective]."""
     table = Table(data, origin, "[objective]", NET_POWER_TABLES["objective"])
     table.choice("kind")
     terminal = table.choice("terminal")
@@ -41,20 +47,4 @@ def read_objective(
     attitude, rate = (table.number(key) if terminal == "penalty" else 0.0 for key in asked)
     weights = Weights(attitude, rate, table.number("time_weight_W_s"))
     wheel_power = table.choice("wheel_power")
-    return Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights
-
-
-def read_baseline(data: Any, origin: str, craft: Spacecraft) -> PDBaseline | None:
-    """Read [baseline], the PD law to compare with; None where there is none."""
-    if data is None:
-        return None
-    table = Table(data, origin, "[baseline]", NET_POWER_TABLES["baseline"])
-    if not craft.wheels.count:
-        table.fail(next(iter(table.data), "attitude_gain_Nm"), "it needs wheels", "drop [baseline]")
-    return PDBaseline(
-        proportional=table.number("attitude_gain_Nm"),
-        derivative=table.number("rate_gain_Nm_s"),
-        hold=table.number("hold_s") if "hold_s" in table else None,
-        turn_back=table.number("turn_back_s"),
-        nearest_to=table.choice("nearest_to"),
-    )
+    return EnergyObjective(Objective(kind=KIND, terminal=terminal), wheel_power, cost, weights)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def also_from_law(
         if _most(solved) < flown.energy.net_J[k]:
             torque = held_torque(flown.wheel_torque[k], manoeuvre.intervals)
             solved = solved.joined(_from(torque, manoeuvre, solved, size, room, report))
-        answers.append(solved)
+        answers.append(replace(solved, law=flown) if len(manoeuvres) == 1 else solved)
     return tuple(answers)
 
 
