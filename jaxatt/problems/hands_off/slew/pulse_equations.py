@@ -15,6 +15,7 @@ import operator
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -27,6 +28,9 @@ from jaxatt.simulation.turn_model import turn
 
 Row = tuple[Array, Array, Array]
 """A row of a matrix of three columns: components keep the batch contiguous, see `rollout`."""
+
+Columns = tuple[tuple[Array, ...], ...]
+"""Three rows of a matrix with a column for each control."""
 
 
 def _rotation(q: Components) -> tuple[Row, ...]:
@@ -43,12 +47,12 @@ def _sum(terms: Iterable[Array]) -> Array:
     return functools.reduce(operator.add, terms)
 
 
-def _dot(a: Sequence[Array], b: Sequence[Array]) -> Array:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _scaled(row: Sequence[Array], weight: Array) -> tuple[Array, ...]:
+    return tuple(x * weight[c] for c, x in enumerate(row))
 
 
-def _added(a: tuple[Array, ...], b: Iterable[Array]) -> tuple[Array, ...]:
-    return tuple(x + y for x, y in zip(a, b, strict=True))
+def _dot(row: Sequence[Array], other: Sequence[Array] | Array) -> Array:
+    return _sum(x * other[c] for c, x in enumerate(row))
 
 
 def _stacked(rows: Sequence[Sequence[Array]]) -> Array:
@@ -56,110 +60,130 @@ def _stacked(rows: Sequence[Sequence[Array]]) -> Array:
 
 
 def _product(a: Array, b: Array) -> Array:
-    """Product of a matrix of three columns and another, elementwise over the batch."""
-    return _sum(a[:, k, None] * b[None, k] for k in range(3))
+    """Product of two matrices, elementwise over the batch."""
+    return _sum(a[:, k, None] * b[None, k] for k in range(len(b)))
+
+
+def _turned(q: Components, impulse: Array) -> Columns:
+    """Impulses (3, b) from body to inertial axes."""
+    ways = [[impulse[i, c] for i in range(3)] for c in range(impulse.shape[1])]
+    return tuple(tuple(_dot(row, way) for way in ways) for row in _rotation(q))
 
 
 class _Sums(NamedTuple):
     """Sums that one pass along the slew accumulates.
 
-    An interval's impulse v changes the rate, and all of the attitude's integral but what passed
-    before it: P v, one P for the end and one for the waypoint.  With Z = (1, P, ..) as rows:
+    A control of an interval turns the end by the integral of its impulse in inertial axes, the
+    whole one less what had passed by then, q, (3, b).  There is one q for the end and one for the
+    waypoint; what follows is a tuple over these, or over their pairs (a, b), b <= a.
 
-    state : at the end, seven scalars.  whole : (3, 3) integral [s] of the rotation, one a P.
-    reached : scalars, sum of Z v over the part that moved.
-    moments : scalars, lower triangle of the sum of Z (spread of v) Z', row by row.
-    history : (N, 9 ..), the rows of every P, then q_ib (4) where there is a waypoint.
+    state : at the end, seven scalars.  whole : (3, b) [s rad/s], the integrals.
+    weight, moved : (b,), sums of the weights and of what moved.
+    first : (3, b), sums of q weight.  second : (3, 3), sums of q weight q'.
+    reached : (3,), sums of q x what moved.
+    history : (N, 3 b ..), every q, then q_ib (4) where there is a waypoint.
     """
 
     state: Components
-    whole: list[Array]
+    whole: tuple[Array, ...]
+    weight: Array
+    moved: Array
+    first: tuple[Array, ...]
+    second: tuple[Array, ...]
     reached: tuple[Array, ...]
-    moments: tuple[Array, ...]
     history: Array
-
-    def first(self, a: int) -> Array:
-        """Block a of `reached`, (3,)."""
-        return jnp.stack(self.reached[3 * a : 3 * a + 3])
-
-    def second(self, a: int, b: int) -> Array:
-        """Block (a, b) of `moments`, a >= b, (3, 3)."""
-        places = [[(3 * a + r, 3 * b + c) for c in range(3)] for r in range(3)]
-        index = [[max(x) * (max(x) + 1) // 2 + min(x) for x in row] for row in places]
-        return _stacked([[self.moments[k] for k in row] for row in index])
-
-
-def _changes(impulse: Array, row: Array) -> Row:
-    x, y, z = (_sum(impulse[i, c] * row[c] for c in range(row.shape[0])) for i in range(3))
-    return x, y, z
 
 
 def _sweep(
     u: Array, weights: Array, moved: Array, impulse: Array, p: SlewParameters, form: SlewForm
 ) -> _Sums:
     count, size = u.shape
-    blocks = 1 + form.has_waypoint
-    rows = 3 + 3 * blocks
+    targets = 1 + form.has_waypoint
     momentum = tuple(p.momentum[i] for i in range(3))
 
     def interval(carry: Any, inputs: Any) -> tuple[Any, Array]:
-        state, begin, passed, reached, moments = carry
+        state, begin, passed, sums = carry
         control, weight, part, counts, h = inputs
-        state = turn(state, momentum, _changes(impulse, control), h, p.body.inverse_inertia)
-        end = _rotation(state[:4])
+        change = tuple(_dot([control[c] for c in range(size)], row) for row in impulse)
+        state = turn(state, momentum, change, h, p.body.inverse_inertia)
+        end = _turned(state[:4], impulse)
         # Of an interval's impulse the rate has what is left of it: at once none, at its end all.
         before, after = [], []
-        for block in range(blocks):
-            length = h if block == 0 else h * counts
-            for s, a, b in zip(passed[3 * block : 3 * block + 3], begin, end, strict=True):
-                before.append(tuple(s[j] + length * (a[j] / 3.0 + b[j] / 6.0) for j in range(3)))
-                after.append(tuple(s[j] + 0.5 * length * (a[j] + b[j]) for j in range(3)))
-        spread = [
-            [_sum(impulse[i, c] * impulse[j, c] * weight[c] for c in range(size)) for j in range(3)]
-            for i in range(3)
-        ]
-        spread += [[_dot(row, column) for column in spread] for row in before]
-        changed = _changes(impulse, part)
-        reached = _added(reached, (*changed, *(_dot(row, changed) for row in before)))
-        lower = (
-            spread[r][c] if c < 3 else _dot(spread[r], before[c - 3])
-            for r in range(rows)
-            for c in range(r + 1)
+        for target, columns in enumerate(passed):
+            length = h if target == 0 else h * counts
+            part_of = (columns, begin, end)
+            before.append(
+                jax.tree.map(lambda s, a, b, x=length: s + x * (a / 3.0 + b / 6.0), *part_of)
+            )
+            after.append(jax.tree.map(lambda s, a, b, x=length: s + 0.5 * x * (a + b), *part_of))
+        weighted = [tuple(_scaled(row, weight) for row in q) for q in before]
+        terms = (
+            tuple(weight[c] for c in range(size)),
+            tuple(part[c] for c in range(size)),
+            tuple(weighted),
+            tuple(
+                tuple(tuple(_dot(x, y) for y in before[b]) for x in weighted[a])
+                for a, b in _pairs(targets)
+            ),
+            tuple(tuple(_dot(row, part) for row in q) for q in before),
         )
-        out = [x for row in before for x in row] + list(state[:4] if form.has_waypoint else ())
-        return (state, end, tuple(after), reached, _added(moments, lower)), jnp.stack(out)
+        out = [x for q in before for row in q for x in row]
+        out += state[:4] if form.has_waypoint else ()
+        return (state, end, tuple(after), jax.tree.map(jnp.add, sums, terms)), jnp.stack(out)
 
     zero = jnp.zeros((), u.dtype)
-    start = tuple(p.start[i] for i in range(7))
-    nothing = ((zero,) * 3,) * (3 * blocks), (zero,) * rows, (zero,) * (rows * (rows + 1) // 2)
+    few, three = (zero,) * size, (zero,) * 3
+    start, tables = tuple(p.start[i] for i in range(7)), ((few,) * 3,) * targets
+    squares = ((three,) * 3,) * len(_pairs(targets))
+    nothing = (few, few, tables, squares, (three,) * targets)
     counts = (jnp.arange(count) < p.waypoint_node).astype(u.dtype)
     lengths = jnp.broadcast_to(p.step, (count,))
-    (state, _, total, reached, moments), history = lax.scan(
-        interval, (start, _rotation(start[:4]), *nothing), (u, weights, moved, counts, lengths)
+    (state, _, whole, sums), history = lax.scan(
+        interval,
+        (start, _turned(start[:4], impulse), tables, nothing),
+        (u, weights, moved, counts, lengths),
     )
-    whole = [_stacked(total[3 * block : 3 * block + 3]) for block in range(blocks)]
-    return _Sums(state, whole, reached, moments, history)
+    weight, shifted, first, second, reached = sums
+    return _Sums(
+        state,
+        tuple(_stacked(x) for x in whole),
+        jnp.stack(weight),
+        jnp.stack(shifted),
+        tuple(_stacked(x) for x in first),
+        tuple(_stacked(x) for x in second),
+        tuple(jnp.stack(x) for x in reached),
+        history,
+    )
 
 
-def _matrix(sums: _Sums) -> Array:
-    """Matrix J diag(weights) J' for the rows: attitude, rate, attitude at the waypoint."""
-    whole, rates = sums.whole, sums.second(0, 0)
-    left = [_product(t, rates) - sums.second(a + 1, 0) for a, t in enumerate(whole)]
+def _pairs(count: int) -> list[tuple[int, int]]:
+    return [(a, b) for a in range(count) for b in range(a + 1)]
 
-    def attitude(a: int, b: int) -> Array:
+
+def _matrix(sums: _Sums, rate: Array) -> Array:
+    """Matrix J diag(weights) J' for the rows: attitude, rate, attitude at the waypoint.
+
+    rate : (3, b), change of the rate's rows by a unit of each control.
+    """
+    count = len(sums.whole)
+    second = dict(zip(_pairs(count), sums.second, strict=True))
+    weighed = [
+        whole * sums.weight[None] - first
+        for whole, first in zip(sums.whole, sums.first, strict=True)
+    ]
+
+    def attitudes(a: int, b: int) -> Array:
         if a < b:
-            return attitude(b, a).T
-        crossed = _product(sums.second(a + 1, 0), whole[b].T)
-        return _product(whole[a], _product(rates, whole[b].T) - sums.second(b + 1, 0).T) - (
-            crossed - sums.second(a + 1, b + 1)
-        )
+            return attitudes(b, a).T
+        crossed = _product(sums.whole[a], sums.first[b].T)
+        return _product(weighed[a], sums.whole[b].T) - crossed + second[a, b]
 
     def block(a: int | None, b: int | None) -> Array:
         if a is None:
-            return RATE_SCALE**2 * rates if b is None else RATE_SCALE * left[b].T
-        return RATE_SCALE * left[a] if b is None else attitude(a, b)
+            return _product(rate * sums.weight[None], rate.T) if b is None else block(b, a).T
+        return _product(weighed[a], rate.T) if b is None else attitudes(a, b)
 
-    order = [0, None, *range(1, len(whole))]
+    order = [0, None, *range(1, count)]
     return jnp.concatenate([jnp.concatenate([block(a, b) for b in order], axis=1) for a in order])
 
 
@@ -178,18 +202,22 @@ def pulse_equations(
     """
     step = jnp.broadcast_to(p.step, u.shape[:1])[0]  # what fills a programme up has no torque
     impulse = -step * p.body.inverse_inertia @ p.to_body
+    rate = RATE_SCALE * impulse
     sums = _sweep(u, weights, moved, impulse, p, form)
-    whole, history = sums.whole, sums.history
+    history = sums.history
 
     def pullback(shares: Array) -> Array:
-        attitude, rate, *others = (shares[k : k + 3] for k in range(0, len(shares), 3))
-        columns = [RATE_SCALE * rate[j] for j in range(3)]
-        for block, share in enumerate([attitude, *others]):
-            for j in range(3):
-                ahead = (whole[block][r, j] - history[:, 9 * block + 3 * r + j] for r in range(3))
-                columns[j] = columns[j] + _sum(share[r] * x for r, x in enumerate(ahead))
-        back = [_sum(columns[i] * impulse[i, c] for i in range(3)) for c in range(u.shape[1])]
-        return jnp.stack(back, axis=1)
+        attitude, turning, *others = (shares[k : k + 3] for k in range(0, len(shares), 3))
+        columns = []
+        for c in range(u.shape[1]):
+            whole = _dot([rate[i, c] for i in range(3)], turning)
+            passed = []
+            for target, share in enumerate([attitude, *others]):
+                whole = whole + _dot([sums.whole[target][i, c] for i in range(3)], share)
+                places = [(3 * target + i) * u.shape[1] + c for i in range(3)]
+                passed += [share[i] * history[:, k] for i, k in enumerate(places)]
+            columns.append(whole - _sum(passed))
+        return jnp.stack(columns, axis=1)
 
     def exactly(controls: Array) -> tuple[Array, Array]:
         return flown_states(controls, p, form)
@@ -202,11 +230,13 @@ def pulse_equations(
         states = lax.cond(accurate, exactly, lambda _: roughly, u)
     rows = rows_at(states, p, form)
 
-    change, matrix = sums.first(0), _matrix(sums)
+    matrix = _matrix(sums, rate)
     ahead = [
-        _sum(t[:, k] * change[k] for k in range(3)) - sums.first(a + 1) for a, t in enumerate(whole)
+        _sum(whole[:, c] * sums.moved[c] for c in range(u.shape[1])) - part
+        for whole, part in zip(sums.whole, sums.reached, strict=True)
     ]
-    reached = jnp.concatenate([ahead[0], RATE_SCALE * change, *ahead[1:]])
+    changed = _sum(rate[:, c] * sums.moved[c] for c in range(u.shape[1]))
+    reached = jnp.concatenate([ahead[0], changed, *ahead[1:]])
     if p.held.shape[0] == 3:
         return Equations(rows, matrix, reached, pullback)
     # Of the turn at the end, only what moves the boresight.
