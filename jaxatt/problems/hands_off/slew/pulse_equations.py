@@ -208,16 +208,13 @@ def pulse_equations(
 
     def pullback(shares: Array) -> Array:
         attitude, turning, *others = (shares[k : k + 3] for k in range(0, len(shares), 3))
-        columns = []
-        for c in range(u.shape[1]):
-            whole = _dot([rate[i, c] for i in range(3)], turning)
-            passed = []
-            for target, share in enumerate([attitude, *others]):
-                whole = whole + _dot([sums.whole[target][i, c] for i in range(3)], share)
-                places = [(3 * target + i) * u.shape[1] + c for i in range(3)]
-                passed += [share[i] * history[:, k] for i, k in enumerate(places)]
-            columns.append(whole - _sum(passed))
-        return jnp.stack(columns, axis=1)
+        back = _sum(turning[i] * rate[i] for i in range(3))[None]
+        for target, share in enumerate([attitude, *others]):
+            for i in range(3):
+                first = (3 * target + i) * u.shape[1]
+                passed = history[:, first : first + u.shape[1]]
+                back = back + share[i] * (sums.whole[target][i][None] - passed)
+        return back
 
     def exactly(controls: Array) -> tuple[Array, Array]:
         return flown_states(controls, p, form)
