@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 import jax
@@ -47,27 +47,30 @@ def _sum(terms: Iterable[Array]) -> Array:
     return functools.reduce(operator.add, terms)
 
 
-def _scaled(row: Sequence[Array], weight: Array) -> tuple[Array, ...]:
-    return tuple(x * weight[c] for c, x in enumerate(row))
+def _dot(row: Components, other: Components) -> Array:
+    return _sum(x * y for x, y in zip(row, other, strict=True))
 
 
-def _dot(row: Sequence[Array], other: Sequence[Array] | Array) -> Array:
-    return _sum(x * other[c] for c, x in enumerate(row))
+def _scaled(columns: Columns, weight: Components) -> Columns:
+    return tuple(tuple(x * w for x, w in zip(row, weight, strict=True)) for row in columns)
 
 
-def _stacked(rows: Sequence[Sequence[Array]]) -> Array:
-    return jnp.stack([jnp.stack(list(row)) for row in rows])
+def _swapped(columns: Columns) -> Columns:
+    return tuple(zip(*columns, strict=True))
 
 
-def _product(a: Array, b: Array) -> Array:
-    """Product of two matrices, elementwise over the batch."""
-    return _sum(a[:, k, None] * b[None, k] for k in range(len(b)))
+def _product(a: Columns, b: Columns) -> Columns:
+    """Product a b'."""
+    return tuple(tuple(_dot(x, y) for y in b) for x in a)
 
 
-def _turned(q: Components, impulse: Array) -> Columns:
-    """Impulses (3, b) from body to inertial axes."""
-    ways = [[impulse[i, c] for i in range(3)] for c in range(impulse.shape[1])]
-    return tuple(tuple(_dot(row, way) for way in ways) for row in _rotation(q))
+def _combined(operation: Callable[..., Array], *columns: Columns) -> Columns:
+    found: Columns = jax.tree.map(operation, *columns)
+    return found
+
+
+def _components(matrix: Array) -> Columns:
+    return tuple(tuple(row[c] for c in range(matrix.shape[1])) for row in matrix)
 
 
 class _Sums(NamedTuple):
@@ -85,12 +88,12 @@ class _Sums(NamedTuple):
     """
 
     state: Components
-    whole: tuple[Array, ...]
-    weight: Array
-    moved: Array
-    first: tuple[Array, ...]
-    second: tuple[Array, ...]
-    reached: tuple[Array, ...]
+    whole: tuple[Columns, ...]
+    weight: Components
+    moved: Components
+    first: tuple[Columns, ...]
+    second: tuple[Columns, ...]
+    reached: tuple[Components, ...]
     history: Array
 
 
@@ -99,92 +102,92 @@ def _sweep(
 ) -> _Sums:
     count, size = u.shape
     targets = 1 + form.has_waypoint
-    momentum = tuple(p.momentum[i] for i in range(3))
+    momentum, columns = tuple(p.momentum[i] for i in range(3)), _components(impulse)
+
+    def integral(q_ib: Components) -> Columns:
+        return _product(_rotation(q_ib), _swapped(columns))
 
     def interval(carry: Any, inputs: Any) -> tuple[Any, Array]:
         state, begin, passed, sums = carry
         control, weight, part, counts, h = inputs
-        change = tuple(_dot([control[c] for c in range(size)], row) for row in impulse)
+        change = tuple(_dot(row, control) for row in columns)
         state = turn(state, momentum, change, h, p.body.inverse_inertia)
-        end = _turned(state[:4], impulse)
+        end = integral(state[:4])
         # Of an interval's impulse the rate has what is left of it: at once none, at its end all.
-        before, after = [], []
-        for target, columns in enumerate(passed):
-            length = h if target == 0 else h * counts
-            part_of = (columns, begin, end)
-            before.append(
-                jax.tree.map(lambda s, a, b, x=length: s + x * (a / 3.0 + b / 6.0), *part_of)
-            )
-            after.append(jax.tree.map(lambda s, a, b, x=length: s + 0.5 * x * (a + b), *part_of))
-        weighted = [tuple(_scaled(row, weight) for row in q) for q in before]
-        terms = (
-            tuple(weight[c] for c in range(size)),
-            tuple(part[c] for c in range(size)),
-            tuple(weighted),
-            tuple(
-                tuple(tuple(_dot(x, y) for y in before[b]) for x in weighted[a])
-                for a, b in _pairs(targets)
-            ),
-            tuple(tuple(_dot(row, part) for row in q) for q in before),
+        lengths = [h, h * counts][:targets]
+        before = tuple(
+            _combined(lambda s, a, b, x=x: s + x * (a / 3.0 + b / 6.0), until, begin, end)
+            for x, until in zip(lengths, passed, strict=True)
         )
+        after = tuple(
+            _combined(lambda s, a, b, x=x: s + 0.5 * x * (a + b), until, begin, end)
+            for x, until in zip(lengths, passed, strict=True)
+        )
+        weighted = tuple(_scaled(q, weight) for q in before)
+        squares = tuple(_product(weighted[a], before[b]) for a, b in _pairs(targets))
+        reached = tuple(tuple(_dot(row, part) for row in q) for q in before)
+        sums = jax.tree.map(jnp.add, sums, (weight, part, weighted, squares, reached))
         out = [x for q in before for row in q for x in row]
         out += state[:4] if form.has_waypoint else ()
-        return (state, end, tuple(after), jax.tree.map(jnp.add, sums, terms)), jnp.stack(out)
+        return (state, end, after, sums), jnp.stack(out)
 
     zero = jnp.zeros((), u.dtype)
     few, three = (zero,) * size, (zero,) * 3
-    start, tables = tuple(p.start[i] for i in range(7)), ((few,) * 3,) * targets
+    start, table = tuple(p.start[i] for i in range(7)), (few,) * 3
     squares = ((three,) * 3,) * len(_pairs(targets))
-    nothing = (few, few, tables, squares, (three,) * targets)
+    sums = (few, few, (table,) * targets, squares, (three,) * targets)
     counts = (jnp.arange(count) < p.waypoint_node).astype(u.dtype)
-    lengths = jnp.broadcast_to(p.step, (count,))
+    # Controls one by one: an array of few columns would have the batch in strides.
+    controls = (tuple(x[:, c] for c in range(size)) for x in (u, weights, moved))
     (state, _, whole, sums), history = lax.scan(
         interval,
-        (start, _turned(start[:4], impulse), tables, nothing),
-        (u, weights, moved, counts, lengths),
+        (start, integral(start[:4]), (table,) * targets, sums),
+        (*controls, counts, jnp.broadcast_to(p.step, (count,))),
     )
-    weight, shifted, first, second, reached = sums
-    return _Sums(
-        state,
-        tuple(_stacked(x) for x in whole),
-        jnp.stack(weight),
-        jnp.stack(shifted),
-        tuple(_stacked(x) for x in first),
-        tuple(_stacked(x) for x in second),
-        tuple(jnp.stack(x) for x in reached),
-        history,
-    )
+    return _Sums(state, whole, *sums, history)
+
+
+def _in_single(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a function of arrays in single precision: twice as many go through a vector unit."""
+
+    def lowered(x: Array) -> Array:
+        return x.astype(jnp.float32) if x.dtype == jnp.float64 else x
+
+    found = function(*jax.tree.map(lowered, arguments))
+    return jax.tree.map(lambda x: x.astype(jnp.float64), found)
 
 
 def _pairs(count: int) -> list[tuple[int, int]]:
     return [(a, b) for a in range(count) for b in range(a + 1)]
 
 
-def _matrix(sums: _Sums, rate: Array) -> Array:
+def _matrix(sums: _Sums, rate: Columns) -> Array:
     """Matrix J diag(weights) J' for the rows: attitude, rate, attitude at the waypoint.
 
-    rate : (3, b), change of the rate's rows by a unit of each control.
+    rate : change of the rate's rows by a unit of each control.
     """
     count = len(sums.whole)
     second = dict(zip(_pairs(count), sums.second, strict=True))
     weighed = [
-        whole * sums.weight[None] - first
+        _combined(operator.sub, _scaled(whole, sums.weight), first)
         for whole, first in zip(sums.whole, sums.first, strict=True)
     ]
 
-    def attitudes(a: int, b: int) -> Array:
-        if a < b:
-            return attitudes(b, a).T
-        crossed = _product(sums.whole[a], sums.first[b].T)
-        return _product(weighed[a], sums.whole[b].T) - crossed + second[a, b]
-
-    def block(a: int | None, b: int | None) -> Array:
+    def block(a: int | None, b: int | None) -> Columns:
         if a is None:
-            return _product(rate * sums.weight[None], rate.T) if b is None else block(b, a).T
-        return _product(weighed[a], rate.T) if b is None else attitudes(a, b)
+            left = _scaled(rate, sums.weight)
+            return _product(left, rate) if b is None else _swapped(block(b, a))
+        if b is None:
+            return _product(weighed[a], rate)
+        if a < b:
+            return _swapped(block(b, a))
+        crossed = _product(sums.whole[a], sums.first[b])
+        found = _combined(operator.sub, _product(weighed[a], sums.whole[b]), crossed)
+        return _combined(operator.add, found, second[a, b])
 
     order = [0, None, *range(1, count)]
-    return jnp.concatenate([jnp.concatenate([block(a, b) for b in order], axis=1) for a in order])
+    rows = [[x for b in order for x in block(a, b)[i]] for a in order for i in range(3)]
+    return jnp.stack([jnp.stack(row) for row in rows])
 
 
 def pulse_equations(
@@ -203,17 +206,16 @@ def pulse_equations(
     step = jnp.broadcast_to(p.step, u.shape[:1])[0]  # what fills a programme up has no torque
     impulse = -step * p.body.inverse_inertia @ p.to_body
     rate = RATE_SCALE * impulse
-    sums = _sweep(u, weights, moved, impulse, p, form)
-    history = sums.history
+    sums = _in_single(functools.partial(_sweep, form=form), u, weights, moved, impulse, p)
+    history, size = sums.history, u.shape[1]
 
     def pullback(shares: Array) -> Array:
         attitude, turning, *others = (shares[k : k + 3] for k in range(0, len(shares), 3))
         back = _sum(turning[i] * rate[i] for i in range(3))[None]
         for target, share in enumerate([attitude, *others]):
-            for i in range(3):
-                first = (3 * target + i) * u.shape[1]
-                passed = history[:, first : first + u.shape[1]]
-                back = back + share[i] * (sums.whole[target][i][None] - passed)
+            for i, whole in enumerate(sums.whole[target]):
+                first = (3 * target + i) * size
+                back = back + share[i] * (jnp.stack(whole)[None] - history[:, first : first + size])
         return back
 
     def exactly(controls: Array) -> tuple[Array, Array]:
@@ -227,20 +229,22 @@ def pulse_equations(
         states = lax.cond(accurate, exactly, lambda _: roughly, u)
     rows = rows_at(states, p, form)
 
-    matrix = _matrix(sums, rate)
+    changes = _components(rate)
+    matrix = _matrix(sums, changes)
     ahead = [
-        _sum(whole[:, c] * sums.moved[c] for c in range(u.shape[1])) - part
-        for whole, part in zip(sums.whole, sums.reached, strict=True)
+        [_dot(row, sums.moved) - part for row, part in zip(whole, reached, strict=True)]
+        for whole, reached in zip(sums.whole, sums.reached, strict=True)
     ]
-    changed = _sum(rate[:, c] * sums.moved[c] for c in range(u.shape[1]))
-    reached = jnp.concatenate([ahead[0], changed, *ahead[1:]])
+    changed = [_dot(row, sums.moved) for row in changes]
+    reached = jnp.stack([x for rows_of in (ahead[0], changed, *ahead[1:]) for x in rows_of])
     if p.held.shape[0] == 3:
         return Equations(rows, matrix, reached, pullback)
     # Of the turn at the end, only what moves the boresight.
     slope = swing_slope(inertial_reference(p), states[0][:4], p.held)
 
     def kept(errors: Array) -> Array:
-        return jnp.concatenate([_product(slope, errors[:3]), errors[3:]])
+        turned = _sum(slope[:, k, None] * errors[None, k] for k in range(3))
+        return jnp.concatenate([turned, errors[3:]])
 
     def given(shares: Array) -> Array:
         turn = slope[0] * shares[0] + slope[1] * shares[1]
