@@ -151,7 +151,7 @@ def integrate(
         total = tuple(x + weight * h * dx for x, dx in zip(total, k, strict=True))
         return (point, total), None
 
-    coefficients = (jnp.asarray(_NEXT_POINT, base[0].dtype), jnp.asarray(_WEIGHT, base[0].dtype))
+    coefficients = (jnp.asarray(_NEXT_POINT), jnp.asarray(_WEIGHT))
     (_, end), _ = lax.scan(stage, (base, base), (coefficients, along))
     scale = lax.rsqrt(end[0] ** 2 + end[1] ** 2 + end[2] ** 2 + end[3] ** 2)
     return tuple(x * scale for x in end[:4]) + end[4:]

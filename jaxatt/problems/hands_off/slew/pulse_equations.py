@@ -5,7 +5,7 @@ by as much in body axes for good, and the attitude at the end by the integral of
 inertial rotation from then on, which is its whole integral less what has passed.  So the sums over
 all intervals that a step of least weighted norm asks for can be taken on the way.  The rows are
 exact in the end, so a Newton iteration has the right fixed point; it contracts by about |H| T / J
-an iteration.
+an iteration.  The sums are taken in single precision, which moves that point by some 1e-7 rad.
 """
 
 from __future__ import annotations
