@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import jax
@@ -82,18 +83,10 @@ def searches(
     polished : whether the starts are ended as `jaxatt solve` ends them: the least effort on the
         supports, fewer intervals where there is one control, and the answers flown.
     """
-    task = task_of(case)
-    rows = chunk_for(batch)
-    method = Method("l0", "riccati" if inner == "riccati" else "gauss-newton", True, rows)
-
-    long_way = task.long_way_probability()
+    task, decided = task_of(case), deciding(case, batch, inner)
 
     def run(index: int) -> np.ndarray:
-        if polished:
-            return look(task, batch, index).controls
-        starts = draw(index, batch, task.intervals, task.size, long_way)
-        u, supports = decide(task, starts, method)
-        return task.to_controls(u * supports)
+        return look(task, batch, index).controls if polished else decided(index)
 
     time = timed(run, repeats)
     share = float(np.mean([_useful(task, run(index), case) for index in range(3)]))
@@ -102,6 +95,20 @@ def searches(
     return Throughput(
         f"{name}, {case}", batch, time.compile_s, time.run_s, batch / time.run_s, share
     )
+
+
+def deciding(case: str, batch: int, inner: str = "auto") -> Callable[[int], np.ndarray]:
+    """Function from a seed to the controls (S, N, b) of that many random starts, settled."""
+    task, rows = task_of(case), chunk_for(batch)
+    method = Method("l0", "riccati" if inner == "riccati" else "gauss-newton", True, rows)
+    long_way = task.long_way_probability()
+
+    def run(seed: int) -> np.ndarray:
+        starts = draw(seed, batch, task.intervals, task.size, long_way)
+        u, supports = decide(task, starts, method)
+        return task.to_controls(u * supports)
+
+    return run
 
 
 def _useful(task: SparseTask, controls: np.ndarray, case: str) -> float:

@@ -7,21 +7,35 @@ is much faster than a LAPACK call for each member of the batch.
 from __future__ import annotations
 
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
 
-def solve_spd(matrix: Array, rhs: Array) -> Array:
-    """Solve an (m, m) positive definite system for (m,)."""
-    table = jnp.concatenate([matrix, rhs[:, None]], axis=1)
+def solve_spd(matrix: Array, rhs: Array, added: Array | None = None) -> Array:
+    """Solve an (m, m) positive definite system for (m,), by components and without pivots.
 
-    def eliminate(k: Array, rows: Array) -> Array:
-        pivot = lax.dynamic_index_in_dim(rows, k, keepdims=False)
-        pivot = pivot / lax.dynamic_index_in_dim(pivot, k, keepdims=False)
-        column = lax.dynamic_index_in_dim(rows, k, axis=1, keepdims=False)
-        here = (jnp.arange(rows.shape[0]) == k)[:, None]
-        return jnp.where(here, pivot[None], rows - column[:, None] * pivot[None])
-
-    return lax.fori_loop(0, matrix.shape[0], eliminate, table)[:, -1]
+    added : (m,), what the diagonal has besides.
+    """
+    size = len(rhs)
+    left = [[matrix[i, j] for j in range(i + 1)] for i in range(size)]
+    if added is not None:
+        for k in range(size):
+            left[k][k] = left[k][k] + added[k]
+    found = [rhs[i] for i in range(size)]
+    for k in range(size):
+        pivot = 1.0 / left[k][k]
+        below = [left[i][k] for i in range(k + 1, size)]
+        shares = [x * pivot for x in below]
+        for i, share in zip(range(k + 1, size), shares, strict=True):
+            for j in range(k + 1, i + 1):
+                left[i][j] = left[i][j] - share * below[j - k - 1]
+            found[i] = found[i] - share * found[k]
+            left[i][k] = share
+        left[k][k] = pivot
+    for k in reversed(range(size)):
+        found[k] = found[k] * left[k][k]
+        for i in range(k + 1, size):
+            found[k] = found[k] - left[i][k] * found[i]
+    return jnp.stack(found)
 
 
 def invert_spd_blocks(blocks: Array) -> Array:

@@ -20,6 +20,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.optimize import features
+from jaxatt.optimize.batch_last import batch_last
 from jaxatt.optimize.reweighting.weights import (
     Course,
     Reweighting,
@@ -68,7 +69,7 @@ class CondensedReweighting(Solver):
     def step(self, program: RootProgram, state: _State, args: Any) -> _State:
         """Take a step of least weighted norm, clipped at the limits."""
         row_weight = program.row_weight(args)
-        hard, size = jnp.isinf(row_weight), row_weight.shape[0]
+        hard = jnp.isinf(row_weight)
         weighted = weigh(
             self.settings, state.course, state.u, program.importance(args), program.shared
         )
@@ -82,10 +83,8 @@ class CondensedReweighting(Solver):
         found = program.linearise(args)(
             before, weights * loose, state.u * loose, ~weighted.deciding
         )
-        diagonal = jnp.stack([found.matrix[k, k] for k in range(size)])
-        slack = jnp.where(hard, _DAMPING * diagonal, 1.0 / row_weight) + _NOTHING
-        matrix = found.matrix + slack[:, None] * jnp.eye(size, dtype=state.u.dtype)
-        fresh = weights * found.pullback(solve_spd(matrix, found.reached - found.rows))
+        shares = _shares(found.matrix, found.reached - found.rows, row_weight)
+        fresh = weights * found.pullback(shares)
         if gradual is not None:
             most = gradual.reach * _sum_of_lengths(before)
             changed = jnp.maximum(_sum_of_lengths(fresh - before), _NOTHING)
@@ -106,6 +105,15 @@ class CondensedReweighting(Solver):
     def result(self, program: RootProgram, state: _State, args: Any) -> SparseRoot:
         """Result with residual and saturation of the last step."""
         return SparseRoot(state.u, state.course.support, state.residual, jnp.any(state.held))
+
+
+@batch_last
+def _shares(matrix: Array, missing: Array, row_weight: Array) -> Array:
+    """What every row has to push, (m,), for what it misses, with J diag(weights) J' (m, m)."""
+    size = len(missing)
+    diagonal = jnp.stack([matrix[k, k] for k in range(size)])
+    slack = jnp.where(jnp.isinf(row_weight), _DAMPING * diagonal, 1.0 / row_weight) + _NOTHING
+    return solve_spd(matrix, missing, slack)
 
 
 def _sum_of_lengths(u: Array) -> Array:

@@ -5,16 +5,17 @@ by as much in body axes for good, and the attitude at the end by the integral of
 inertial rotation from then on, which is its whole integral less what has passed.  So the sums over
 all intervals that a step of least weighted norm asks for can be taken on the way.  The rows are
 exact in the end, so a Newton iteration has the right fixed point; it contracts by about |H| T / J
-an iteration.
+an iteration.  The sums are taken in single precision, which moves that point by some 1e-7 rad.
 """
 
 from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
+import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
@@ -27,6 +28,9 @@ from jaxatt.simulation.turn_model import turn
 
 Row = tuple[Array, Array, Array]
 """A row of a matrix of three columns: components keep the batch contiguous, see `rollout`."""
+
+Columns = tuple[tuple[Array, ...], ...]
+"""Three rows of a matrix with a column for each control."""
 
 
 def _rotation(q: Components) -> tuple[Row, ...]:
@@ -43,124 +47,147 @@ def _sum(terms: Iterable[Array]) -> Array:
     return functools.reduce(operator.add, terms)
 
 
-def _dot(a: Sequence[Array], b: Sequence[Array]) -> Array:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _dot(row: Components, other: Components) -> Array:
+    return _sum(x * y for x, y in zip(row, other, strict=True))
 
 
-def _added(a: tuple[Array, ...], b: Iterable[Array]) -> tuple[Array, ...]:
-    return tuple(x + y for x, y in zip(a, b, strict=True))
+def _scaled(columns: Columns, weight: Components) -> Columns:
+    return tuple(tuple(x * w for x, w in zip(row, weight, strict=True)) for row in columns)
 
 
-def _stacked(rows: Sequence[Sequence[Array]]) -> Array:
-    return jnp.stack([jnp.stack(list(row)) for row in rows])
+def _swapped(columns: Columns) -> Columns:
+    return tuple(zip(*columns, strict=True))
 
 
-def _product(a: Array, b: Array) -> Array:
-    """Product of a matrix of three columns and another, elementwise over the batch."""
-    return _sum(a[:, k, None] * b[None, k] for k in range(3))
+def _product(a: Columns, b: Columns) -> Columns:
+    """Product a b'."""
+    return tuple(tuple(_dot(x, y) for y in b) for x in a)
+
+
+def _combined(operation: Callable[..., Array], *columns: Columns) -> Columns:
+    found: Columns = jax.tree.map(operation, *columns)
+    return found
+
+
+def _components(matrix: Array) -> Columns:
+    return tuple(tuple(row[c] for c in range(matrix.shape[1])) for row in matrix)
 
 
 class _Sums(NamedTuple):
     """Sums that one pass along the slew accumulates.
 
-    An interval's impulse v changes the rate, and all of the attitude's integral but what passed
-    before it: P v, one P for the end and one for the waypoint.  With Z = (1, P, ..) as rows:
+    A control of an interval turns the end by the integral of its impulse in inertial axes, the
+    whole one less what had passed by then, q, (3, b).  There is one q for the end and one for the
+    waypoint; what follows is a tuple over these, or over their pairs (a, b), b <= a.
 
-    state : at the end, seven scalars.  whole : (3, 3) integral [s] of the rotation, one a P.
-    reached : scalars, sum of Z v over the part that moved.
-    moments : scalars, lower triangle of the sum of Z (spread of v) Z', row by row.
-    history : (N, 9 ..), the rows of every P, then q_ib (4) where there is a waypoint.
+    state : at the end, seven scalars.  whole : (3, b) [s rad/s], the integrals.
+    weight, moved : (b,), sums of the weights and of what moved.
+    first : (3, b), sums of q weight.  second : (3, 3), sums of q weight q'.
+    reached : (3,), sums of q x what moved.
+    history : (N, 3 b ..), every q, then q_ib (4) where there is a waypoint.
     """
 
     state: Components
-    whole: list[Array]
-    reached: tuple[Array, ...]
-    moments: tuple[Array, ...]
+    whole: tuple[Columns, ...]
+    weight: Components
+    moved: Components
+    first: tuple[Columns, ...]
+    second: tuple[Columns, ...]
+    reached: tuple[Components, ...]
     history: Array
-
-    def first(self, a: int) -> Array:
-        """Block a of `reached`, (3,)."""
-        return jnp.stack(self.reached[3 * a : 3 * a + 3])
-
-    def second(self, a: int, b: int) -> Array:
-        """Block (a, b) of `moments`, a >= b, (3, 3)."""
-        places = [[(3 * a + r, 3 * b + c) for c in range(3)] for r in range(3)]
-        index = [[max(x) * (max(x) + 1) // 2 + min(x) for x in row] for row in places]
-        return _stacked([[self.moments[k] for k in row] for row in index])
-
-
-def _changes(impulse: Array, row: Array) -> Row:
-    x, y, z = (_sum(impulse[i, c] * row[c] for c in range(row.shape[0])) for i in range(3))
-    return x, y, z
 
 
 def _sweep(
     u: Array, weights: Array, moved: Array, impulse: Array, p: SlewParameters, form: SlewForm
 ) -> _Sums:
     count, size = u.shape
-    blocks = 1 + form.has_waypoint
-    rows = 3 + 3 * blocks
-    momentum = tuple(p.momentum[i] for i in range(3))
+    targets = 1 + form.has_waypoint
+    momentum, columns = tuple(p.momentum[i] for i in range(3)), _components(impulse)
+
+    def integral(q_ib: Components) -> Columns:
+        return _product(_rotation(q_ib), _swapped(columns))
 
     def interval(carry: Any, inputs: Any) -> tuple[Any, Array]:
-        state, begin, passed, reached, moments = carry
+        state, begin, passed, sums = carry
         control, weight, part, counts, h = inputs
-        state = turn(state, momentum, _changes(impulse, control), h, p.body.inverse_inertia)
-        end = _rotation(state[:4])
+        change = tuple(_dot(row, control) for row in columns)
+        state = turn(state, momentum, change, h, p.body.inverse_inertia)
+        end = integral(state[:4])
         # Of an interval's impulse the rate has what is left of it: at once none, at its end all.
-        before, after = [], []
-        for block in range(blocks):
-            length = h if block == 0 else h * counts
-            for s, a, b in zip(passed[3 * block : 3 * block + 3], begin, end, strict=True):
-                before.append(tuple(s[j] + length * (a[j] / 3.0 + b[j] / 6.0) for j in range(3)))
-                after.append(tuple(s[j] + 0.5 * length * (a[j] + b[j]) for j in range(3)))
-        spread = [
-            [_sum(impulse[i, c] * impulse[j, c] * weight[c] for c in range(size)) for j in range(3)]
-            for i in range(3)
-        ]
-        spread += [[_dot(row, column) for column in spread] for row in before]
-        changed = _changes(impulse, part)
-        reached = _added(reached, (*changed, *(_dot(row, changed) for row in before)))
-        lower = (
-            spread[r][c] if c < 3 else _dot(spread[r], before[c - 3])
-            for r in range(rows)
-            for c in range(r + 1)
+        lengths = [h, h * counts][:targets]
+        before = tuple(
+            _combined(lambda s, a, b, x=x: s + x * (a / 3.0 + b / 6.0), until, begin, end)
+            for x, until in zip(lengths, passed, strict=True)
         )
-        out = [x for row in before for x in row] + list(state[:4] if form.has_waypoint else ())
-        return (state, end, tuple(after), reached, _added(moments, lower)), jnp.stack(out)
+        after = tuple(
+            _combined(lambda s, a, b, x=x: s + 0.5 * x * (a + b), until, begin, end)
+            for x, until in zip(lengths, passed, strict=True)
+        )
+        weighted = tuple(_scaled(q, weight) for q in before)
+        squares = tuple(_product(weighted[a], before[b]) for a, b in _pairs(targets))
+        reached = tuple(tuple(_dot(row, part) for row in q) for q in before)
+        sums = jax.tree.map(jnp.add, sums, (weight, part, weighted, squares, reached))
+        out = [x for q in before for row in q for x in row]
+        out += state[:4] if form.has_waypoint else ()
+        return (state, end, after, sums), jnp.stack(out)
 
     zero = jnp.zeros((), u.dtype)
-    start = tuple(p.start[i] for i in range(7))
-    nothing = ((zero,) * 3,) * (3 * blocks), (zero,) * rows, (zero,) * (rows * (rows + 1) // 2)
+    few, three = (zero,) * size, (zero,) * 3
+    start, table = tuple(p.start[i] for i in range(7)), (few,) * 3
+    squares = ((three,) * 3,) * len(_pairs(targets))
+    sums = (few, few, (table,) * targets, squares, (three,) * targets)
     counts = (jnp.arange(count) < p.waypoint_node).astype(u.dtype)
-    lengths = jnp.broadcast_to(p.step, (count,))
-    (state, _, total, reached, moments), history = lax.scan(
-        interval, (start, _rotation(start[:4]), *nothing), (u, weights, moved, counts, lengths)
+    # Controls one by one: an array of few columns would have the batch in strides.
+    controls = (tuple(x[:, c] for c in range(size)) for x in (u, weights, moved))
+    (state, _, whole, sums), history = lax.scan(
+        interval,
+        (start, integral(start[:4]), (table,) * targets, sums),
+        (*controls, counts, jnp.broadcast_to(p.step, (count,))),
     )
-    whole = [_stacked(total[3 * block : 3 * block + 3]) for block in range(blocks)]
-    return _Sums(state, whole, reached, moments, history)
+    return _Sums(state, whole, *sums, history)
 
 
-def _matrix(sums: _Sums) -> Array:
-    """Matrix J diag(weights) J' for the rows: attitude, rate, attitude at the waypoint."""
-    whole, rates = sums.whole, sums.second(0, 0)
-    left = [_product(t, rates) - sums.second(a + 1, 0) for a, t in enumerate(whole)]
+def _in_single(function: Callable[..., Any], *arguments: Any) -> Any:
+    """Call a function of arrays in single precision: twice as many go through a vector unit."""
 
-    def attitude(a: int, b: int) -> Array:
-        if a < b:
-            return attitude(b, a).T
-        crossed = _product(sums.second(a + 1, 0), whole[b].T)
-        return _product(whole[a], _product(rates, whole[b].T) - sums.second(b + 1, 0).T) - (
-            crossed - sums.second(a + 1, b + 1)
-        )
+    def lowered(x: Array) -> Array:
+        return x.astype(jnp.float32) if x.dtype == jnp.float64 else x
 
-    def block(a: int | None, b: int | None) -> Array:
+    found = function(*jax.tree.map(lowered, arguments))
+    return jax.tree.map(lambda x: x.astype(jnp.float64), found)
+
+
+def _pairs(count: int) -> list[tuple[int, int]]:
+    return [(a, b) for a in range(count) for b in range(a + 1)]
+
+
+def _matrix(sums: _Sums, rate: Columns) -> Array:
+    """Matrix J diag(weights) J' for the rows: attitude, rate, attitude at the waypoint.
+
+    rate : change of the rate's rows by a unit of each control.
+    """
+    count = len(sums.whole)
+    second = dict(zip(_pairs(count), sums.second, strict=True))
+    weighed = [
+        _combined(operator.sub, _scaled(whole, sums.weight), first)
+        for whole, first in zip(sums.whole, sums.first, strict=True)
+    ]
+
+    def block(a: int | None, b: int | None) -> Columns:
         if a is None:
-            return RATE_SCALE**2 * rates if b is None else RATE_SCALE * left[b].T
-        return RATE_SCALE * left[a] if b is None else attitude(a, b)
+            left = _scaled(rate, sums.weight)
+            return _product(left, rate) if b is None else _swapped(block(b, a))
+        if b is None:
+            return _product(weighed[a], rate)
+        if a < b:
+            return _swapped(block(b, a))
+        crossed = _product(sums.whole[a], sums.first[b])
+        found = _combined(operator.sub, _product(weighed[a], sums.whole[b]), crossed)
+        return _combined(operator.add, found, second[a, b])
 
-    order = [0, None, *range(1, len(whole))]
-    return jnp.concatenate([jnp.concatenate([block(a, b) for b in order], axis=1) for a in order])
+    order = [0, None, *range(1, count)]
+    rows = [[x for b in order for x in block(a, b)[i]] for a in order for i in range(3)]
+    return jnp.stack([jnp.stack(row) for row in rows])
 
 
 def pulse_equations(
@@ -178,18 +205,18 @@ def pulse_equations(
     """
     step = jnp.broadcast_to(p.step, u.shape[:1])[0]  # what fills a programme up has no torque
     impulse = -step * p.body.inverse_inertia @ p.to_body
-    sums = _sweep(u, weights, moved, impulse, p, form)
-    whole, history = sums.whole, sums.history
+    rate = RATE_SCALE * impulse
+    sums = _in_single(functools.partial(_sweep, form=form), u, weights, moved, impulse, p)
+    history, size = sums.history, u.shape[1]
 
     def pullback(shares: Array) -> Array:
-        attitude, rate, *others = (shares[k : k + 3] for k in range(0, len(shares), 3))
-        columns = [RATE_SCALE * rate[j] for j in range(3)]
-        for block, share in enumerate([attitude, *others]):
-            for j in range(3):
-                ahead = (whole[block][r, j] - history[:, 9 * block + 3 * r + j] for r in range(3))
-                columns[j] = columns[j] + _sum(share[r] * x for r, x in enumerate(ahead))
-        back = [_sum(columns[i] * impulse[i, c] for i in range(3)) for c in range(u.shape[1])]
-        return jnp.stack(back, axis=1)
+        attitude, turning, *others = (shares[k : k + 3] for k in range(0, len(shares), 3))
+        back = _sum(turning[i] * rate[i] for i in range(3))[None]
+        for target, share in enumerate([attitude, *others]):
+            for i, whole in enumerate(sums.whole[target]):
+                first = (3 * target + i) * size
+                back = back + share[i] * (jnp.stack(whole)[None] - history[:, first : first + size])
+        return back
 
     def exactly(controls: Array) -> tuple[Array, Array]:
         return flown_states(controls, p, form)
@@ -202,18 +229,22 @@ def pulse_equations(
         states = lax.cond(accurate, exactly, lambda _: roughly, u)
     rows = rows_at(states, p, form)
 
-    change, matrix = sums.first(0), _matrix(sums)
+    changes = _components(rate)
+    matrix = _matrix(sums, changes)
     ahead = [
-        _sum(t[:, k] * change[k] for k in range(3)) - sums.first(a + 1) for a, t in enumerate(whole)
+        [_dot(row, sums.moved) - part for row, part in zip(whole, reached, strict=True)]
+        for whole, reached in zip(sums.whole, sums.reached, strict=True)
     ]
-    reached = jnp.concatenate([ahead[0], RATE_SCALE * change, *ahead[1:]])
+    changed = [_dot(row, sums.moved) for row in changes]
+    reached = jnp.stack([x for rows_of in (ahead[0], changed, *ahead[1:]) for x in rows_of])
     if p.held.shape[0] == 3:
         return Equations(rows, matrix, reached, pullback)
     # Of the turn at the end, only what moves the boresight.
     slope = swing_slope(inertial_reference(p), states[0][:4], p.held)
 
     def kept(errors: Array) -> Array:
-        return jnp.concatenate([_product(slope, errors[:3]), errors[3:]])
+        turned = _sum(slope[:, k, None] * errors[None, k] for k in range(3))
+        return jnp.concatenate([turned, errors[3:]])
 
     def given(shares: Array) -> Array:
         turn = slope[0] * shares[0] + slope[1] * shares[1]
