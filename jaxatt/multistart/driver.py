@@ -24,7 +24,7 @@ from jax.sharding import Mesh
 
 from jaxatt.multistart.refilling import refilling
 from jaxatt.multistart.sharding import ROWS, WHOLE, own_devices, parted, placed, rows_along
-from jaxatt.optimize.solver import Solver, advance, refuse, solve
+from jaxatt.optimize.solver import Solver, refuse
 from jaxatt.runtime.chunks import Progress, chunk_for
 from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.processes import shared
@@ -103,14 +103,66 @@ def to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
 
 
 def _to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
-    axis = solver.batch_axis
+    refuse(solver, job.problem.program)
+    chunk = _Chunk(job.problem, solver, _to(solver.batch_axis, starts), args)
+    found = chunk.results(chunk.advanced(chunk.begun()))
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, solver.batch_axis, 0), found)
 
-    def one(start: Any) -> Any:
-        guess, own = job.problem.enter(start, args)
-        return solve(solver, job.problem.program, guess, own)
 
-    found = jax.vmap(one, in_axes=axis, out_axes=axis)(_to(axis, starts))
-    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, axis, 0), found)
+@dataclass(frozen=True)
+class _Chunk:
+    """A chunk of starts, their batch axis where the solver has it.
+
+    The loop is around the batch: `jax.vmap` of a loop traces its body several times.
+    """
+
+    problem: Problem
+    solver: Solver
+    starts: Any
+    args: Any
+
+    def begun(self) -> Any:
+        """States before the first pass."""
+
+        def one(start: Any) -> Any:
+            return self.solver.init(self.problem.program, *self.problem.enter(start, self.args))
+
+        return self._each(one)(self.starts)
+
+    def running(self, states: Any) -> Array:
+        """Whether each start goes on, (rows,)."""
+        return ~self._each(self.solver.done)(states)
+
+    def advanced(self, states: Any, passes: int | None = None) -> Any:
+        """Advance all that are running until they end, or by some passes at most."""
+        solver, program = self.solver, self.problem.program
+
+        def going(carry: tuple[Any, Array]) -> Array:
+            more = jnp.any(self.running(carry[0]))
+            return more if passes is None else more & (carry[1] < passes)
+
+        def one(start: Any, state: Any) -> Any:
+            ahead = solver.step(program, state, self.problem.enter(start, self.args)[1])
+            ended = solver.done(state)
+            return jax.tree.map(lambda new, old: jnp.where(ended, old, new), ahead, state)
+
+        def onward(carry: tuple[Any, Array]) -> tuple[Any, Array]:
+            return self._each(one)(self.starts, carry[0]), carry[1] + 1
+
+        return lax.while_loop(going, onward, (states, jnp.asarray(0)))[0]
+
+    def results(self, states: Any) -> Any:
+        """Results of all starts."""
+
+        def one(start: Any, state: Any) -> Any:
+            own = self.problem.enter(start, self.args)[1]
+            return self.solver.result(self.problem.program, state, own)
+
+        return self._each(one)(self.starts, states)
+
+    def _each(self, function: Any) -> Any:
+        axis = self.solver.batch_axis
+        return jax.vmap(function, in_axes=axis, out_axes=axis)
 
 
 @functools.partial(Routine, statics=1)
@@ -129,37 +181,23 @@ def some_passes(
 def _some_passes(
     job: Job, starts: Any, states: Any, fresh: Array, args: Any, solver: Solver
 ) -> tuple[Any, Any, Array]:
-    axis, problem = solver.batch_axis, job.problem
-    program, starts = problem.program, _to(axis, starts)
-
-    def batched(function: Any) -> Any:
-        return jax.vmap(function, in_axes=axis, out_axes=axis)
+    axis, fresh = solver.batch_axis, jnp.asarray(fresh)
+    chunk = _Chunk(job.problem, solver, _to(axis, starts), args)
 
     def renewed(states: Any) -> Any:
-        def one(start: Any, state: Any, new: Array) -> Any:
-            first = solver.init(program, *problem.enter(start, args))
+        def one(new: Array, first: Any, state: Any) -> Any:
             return jax.tree.map(lambda a, b: jnp.where(new, a, b), first, state)
 
-        return batched(one)(starts, states, jnp.asarray(fresh))
-
-    def passed(start: Any, state: Any) -> tuple[Any, Array, Array]:
-        own = problem.enter(start, args)[1]
-        was_running = ~solver.done(state)
-        state = advance(solver, program, state, own, solver.passes)
-        return state, was_running, ~solver.done(state)
-
-    def results(states: Any) -> Any:
-        def one(start: Any, state: Any) -> Any:
-            return solver.result(program, state, problem.enter(start, args)[1])
-
-        return batched(one)(starts, states)
+        return jax.vmap(one, (0, axis, axis), axis)(fresh, chunk.begun(), states)
 
     states = lax.cond(jnp.any(fresh), renewed, lambda states: states, states)
-    states, was_running, running = batched(passed)(starts, states)
-    ended = (was_running | jnp.asarray(fresh)) & ~running
-    shapes = jax.eval_shape(results, states)
+    was_running = chunk.running(states)
+    states = chunk.advanced(states, solver.passes)
+    running = chunk.running(states)
+    ended = (was_running | fresh) & ~running
+    shapes = jax.eval_shape(chunk.results, states)
     nothing = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
-    found = lax.cond(jnp.any(ended), results, lambda _: nothing, states)
+    found = lax.cond(jnp.any(ended), chunk.results, lambda _: nothing, states)
     found = jax.tree.map(lambda leaf: jnp.moveaxis(leaf, axis, 0), found)
     # A weak type would be another program for the next call.
     states = jax.tree.map(lambda leaf: lax.convert_element_type(leaf, leaf.dtype), states)

@@ -46,7 +46,7 @@ def unkept():
 
 def test_a_search_finds_all_its_large_programs_ready(task, compiled, unkept):
     method = Method("l0", rows=11)  # a size that no other test has had compiled
-    with compiled_ahead(task, method):
+    with compiled_ahead(task, method, 11):
         pass
     begun = {name for name in compiled if name.startswith("jit(")}
     assert begun

@@ -6,6 +6,8 @@ together from the last one backwards.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import jax
 import jax.numpy as jnp
 from jax import Array, lax
@@ -91,12 +93,12 @@ def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, A
     h = jnp.broadcast_to(p.table.substep, u.shape[:1])
     slopes = jax.vmap(differentiated)(states, body_torque(u, p), stages, h)
 
-    rows, last = end_rows(jnp.stack(end), p), jax.jacfwd(end_rows)(jnp.stack(end), p)
+    last, rows = _sloped(lambda x: end_rows(x, p), jnp.stack(end))
     passing, injected = jnp.zeros((0, size), u.dtype), jnp.zeros(len(states), u.dtype)
     if form.has_waypoint:
         node = nodes[p.waypoint_node - 1]
-        rows = jnp.concatenate([rows, passing_rows(node[:4], p)])
-        passing = jax.jacfwd(lambda x: passing_rows(x[:4], p))(node)
+        passing, missed = _sloped(lambda x: passing_rows(x[:4], p), node)
+        rows = jnp.concatenate([rows, missed])
         passing = jnp.concatenate([jnp.zeros_like(last), passing])
         last = jnp.concatenate([last, jnp.zeros((3, size), u.dtype)])
         injected = (jnp.arange(1, len(states) + 1) == p.waypoint_node).astype(u.dtype)
@@ -113,3 +115,14 @@ def slew_response(u: Array, p: SlewParameters, form: SlewForm) -> tuple[Array, A
 
     _, by_torque = lax.scan(backwards, last, (slopes, injected), reverse=True)
     return rows, by_torque @ p.to_body
+
+
+def _sloped(function: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    """Derivatives (m, n) of a function at x (n,), and its values (m,) from the same pass."""
+
+    def twice(y: Array) -> tuple[Array, Array]:
+        value = function(y)
+        return value, value
+
+    slope, value = jax.jacfwd(twice, has_aux=True)(x)
+    return slope, value
