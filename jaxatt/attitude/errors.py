@@ -9,11 +9,13 @@ from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
 from jaxatt.attitude.vectors import dot, floating, norm, quaternion_of
+from jaxatt.attitude.whole import compiled_whole
 
 SMOOTHING = 1e-8
 """Default alpha of the smooth maximum; the source leaves it open."""
 
 
+@compiled_whole
 def error_quaternion(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     """Attitude relative to the reference, q_ref^-1 (x) q; Schaanning (2021), eq. (4.15).
 
@@ -30,6 +32,7 @@ def error_quaternion(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     return quaternion.multiply(quaternion.conjugate(q_ref), q)
 
 
+@compiled_whole
 def angle(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     """Angle of the shortest rotation between two attitudes.
 
@@ -49,6 +52,7 @@ def angle(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     return 2 * jnp.arctan2(norm(error[..., 1:]), jnp.abs(error[..., 0]))
 
 
+@compiled_whole
 def rotation_vector(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     """Shortest rotation that takes the reference to q.
 
@@ -66,6 +70,7 @@ def rotation_vector(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     return quaternion.to_rotation_vector(quaternion.canonical(error_quaternion(q_ref, q)))
 
 
+@compiled_whole
 def pseudo_metric(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     """Distance 1 - |q' q_ref|, from 0 (same attitude) to 1 (180 degrees apart).
 
@@ -83,6 +88,7 @@ def pseudo_metric(q_ref: ArrayLike, q: ArrayLike) -> jax.Array:
     return 1 - jnp.abs(dot(quaternion_of(q_ref), quaternion_of(q)))
 
 
+@compiled_whole
 def smooth_pseudo_metric(q_ref: ArrayLike, q: ArrayLike, alpha: ArrayLike = SMOOTHING) -> jax.Array:
     """Distance (5.2) with its absolute value smoothed by (2.48), as Schaanning (2021) codes it.
 
@@ -102,6 +108,7 @@ def smooth_pseudo_metric(q_ref: ArrayLike, q: ArrayLike, alpha: ArrayLike = SMOO
     return 1 - smooth_abs(dot(quaternion_of(q_ref), quaternion_of(q)), alpha)
 
 
+@compiled_whole
 def smooth_maximum(x1: ArrayLike, x2: ArrayLike, alpha: ArrayLike = SMOOTHING) -> jax.Array:
     """Smooth max(x1, x2) = (x1 + x2 + sqrt((x1 - x2)^2 + alpha)) / 2, from above.
 
@@ -111,6 +118,7 @@ def smooth_maximum(x1: ArrayLike, x2: ArrayLike, alpha: ArrayLike = SMOOTHING) -
     return 0.5 * (x1 + x2 + jnp.sqrt((x1 - x2) ** 2 + alpha))
 
 
+@compiled_whole
 def smooth_abs(x: ArrayLike, alpha: ArrayLike = SMOOTHING) -> jax.Array:
     """Smooth |x| = smooth max(x, -x) = sqrt(x^2 + alpha / 4), shape (...); alpha > 0."""
     x = floating(x)

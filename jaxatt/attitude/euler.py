@@ -11,8 +11,10 @@ from jax.typing import ArrayLike
 from jaxatt.attitude import quaternion
 from jaxatt.attitude.rotation_matrix import rotation_of
 from jaxatt.attitude.vectors import resolution, stack_matrix, vector_of
+from jaxatt.attitude.whole import compiled_whole
 
 
+@compiled_whole
 def to_matrix(angles: ArrayLike) -> jax.Array:
     """Rotation matrix of roll, pitch and yaw; Schaanning (2021), eq. (2.22).
 
@@ -39,6 +41,7 @@ def to_matrix(angles: ArrayLike) -> jax.Array:
     )
 
 
+@compiled_whole
 def to_quaternion(angles: ArrayLike) -> jax.Array:
     """Unit quaternion q_z (x) q_y (x) q_x of roll, pitch and yaw.
 

@@ -11,6 +11,7 @@ from jax.typing import ArrayLike
 
 from jaxatt.attitude import quaternion
 from jaxatt.attitude.vectors import broadcast_batch, cross, dot, quaternion_of, tiny, vector_of
+from jaxatt.attitude.whole import compiled_whole
 
 
 def from_quaternion(q: ArrayLike, *, short: bool = True) -> jax.Array:
@@ -42,6 +43,7 @@ def from_quaternion(q: ArrayLike, *, short: bool = True) -> jax.Array:
     return jnp.where(eta < 0.0, backward, forward)
 
 
+@compiled_whole
 def to_quaternion(sigma: ArrayLike) -> jax.Array:
     """Unit quaternion of an MRP; eta >= 0 exactly where |sigma| <= 1.
 
@@ -58,6 +60,7 @@ def to_quaternion(sigma: ArrayLike) -> jax.Array:
     return jnp.concatenate([1 - squared, 2 * sigma], axis=-1) / (1 + squared)
 
 
+@compiled_whole
 def shadow(sigma: ArrayLike) -> jax.Array:
     """The other MRP of the same attitude, -sigma / |sigma|^2, shape (...).
 
@@ -69,6 +72,7 @@ def shadow(sigma: ArrayLike) -> jax.Array:
     return -sigma / jnp.where(vanishes, 1.0, squared)
 
 
+@compiled_whole
 def switch(sigma: ArrayLike) -> jax.Array:
     """The set inside the unit sphere: the shadow where |sigma| > 1, else sigma itself."""
     sigma = vector_of(sigma, "MRP")
@@ -77,11 +81,13 @@ def switch(sigma: ArrayLike) -> jax.Array:
     return jnp.where(outside, shadow(jnp.where(outside, sigma, 1.0)), sigma)
 
 
+@compiled_whole
 def to_matrix(sigma: ArrayLike) -> jax.Array:
     """Rotation matrix R(sigma), shape (..., 3, 3); the same for sigma and its shadow."""
     return quaternion.to_matrix(to_quaternion(sigma))
 
 
+@compiled_whole
 def multiply(sigma1: ArrayLike, sigma2: ArrayLike) -> jax.Array:
     """Compose, R(result) = R(sigma1) R(sigma2); the result is the set inside the unit sphere.
 
@@ -96,6 +102,7 @@ def multiply(sigma1: ArrayLike, sigma2: ArrayLike) -> jax.Array:
     return from_quaternion(quaternion.multiply(to_quaternion(sigma1), to_quaternion(sigma2)))
 
 
+@compiled_whole
 def derivative(sigma: ArrayLike, omega: ArrayLike) -> jax.Array:
     """Kinematics 4 dsigma/dt = [(1 - |sigma|^2) I + 2 S(sigma) + 2 sigma sigma'] omega.
 

@@ -24,6 +24,7 @@ from jaxatt.attitude.vectors import (
     tiny,
     vector_of,
 )
+from jaxatt.attitude.whole import compiled_whole
 
 __all__ = [
     "canonical",
@@ -69,6 +70,7 @@ def random(
     return normalize(jax.random.normal(key, (*shape, 4), dtype=dtype or jnp.result_type(float)))
 
 
+@compiled_whole
 def multiply(q1: ArrayLike, q2: ArrayLike) -> jax.Array:
     """Quaternion product q1 (x) q2, R(q1 (x) q2) = R(q1) R(q2); Schaanning (2021), eq. (2.35).
 
@@ -87,12 +89,14 @@ def multiply(q1: ArrayLike, q2: ArrayLike) -> jax.Array:
     return jnp.concatenate([eta, eta1 * eps2 + eta2 * eps1 + cross(eps1, eps2)], axis=-1)
 
 
+@compiled_whole
 def conjugate(q: ArrayLike) -> jax.Array:
     """Conjugate [eta, -eps], the inverse of a unit quaternion; Schaanning (2021), eq. (2.37)."""
     q = quaternion_of(q)
     return jnp.concatenate([q[..., :1], -q[..., 1:]], axis=-1)
 
 
+@compiled_whole
 def normalize(q: ArrayLike) -> jax.Array:
     """Scale (..., 4) to unit norm; the zero quaternion becomes the identity, with zero gradient."""
     q = quaternion_of(q)
@@ -102,12 +106,14 @@ def normalize(q: ArrayLike) -> jax.Array:
     return jnp.where(vanishes, identity(q.shape[:-1], q.dtype), unit)
 
 
+@compiled_whole
 def canonical(q: ArrayLike) -> jax.Array:
     """Choose of q and -q, which are one attitude, the one with eta >= 0 (the short way)."""
     q = quaternion_of(q)
     return jnp.where(q[..., :1] < 0.0, -q, q)
 
 
+@compiled_whole
 def to_matrix(q: ArrayLike) -> jax.Array:
     """Rotation matrix R(q) = I + 2 eta S(eps) + 2 S(eps)^2; Schaanning (2021), eq. (2.40).
 
@@ -171,6 +177,7 @@ def from_matrix(matrix: ArrayLike) -> jax.Array:
     return canonical(normalize(row))
 
 
+@compiled_whole
 def rotate(q: ArrayLike, v: ArrayLike) -> jax.Array:
     """Rotate a vector, R(q) v: `v_o = rotate(q_ob, v_b)`.
 
@@ -189,11 +196,13 @@ def rotate(q: ArrayLike, v: ArrayLike) -> jax.Array:
     return v + q[..., :1] * twice + cross(q[..., 1:], twice)
 
 
+@compiled_whole
 def rotate_inverse(q: ArrayLike, v: ArrayLike) -> jax.Array:
     """Rotate a vector back, R(q)' v: `v_b = rotate_inverse(q_ob, v_o)`."""
     return rotate(conjugate(q), v)
 
 
+@compiled_whole
 def derivative(q: ArrayLike, omega: ArrayLike) -> jax.Array:
     """Kinematics dq/dt = 1/2 q (x) [0, omega]; Schaanning (2021), eq. (4.2).
 
@@ -213,6 +222,7 @@ def derivative(q: ArrayLike, omega: ArrayLike) -> jax.Array:
     return 0.5 * multiply(q, pure)
 
 
+@compiled_whole
 def slerp(q0: ArrayLike, q1: ArrayLike, fraction: ArrayLike) -> jax.Array:
     """Point on the great arc from q0 to q1, taken the short way at constant rate.
 

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from jax.typing import ArrayLike
 
 from jaxatt.attitude.vectors import broadcast_batch, dot, floating, quaternion_of, tiny, vector_of
+from jaxatt.attitude.whole import compiled_whole
 
 # Below these squared (half-)angles the truncated series are exact to double precision, as are
 # their first derivatives.
@@ -17,6 +18,7 @@ _EXP_SERIES_BELOW = 1e-2
 _LOG_SERIES_BELOW = 1e-3
 
 
+@compiled_whole
 def from_rotation_vector(vector: ArrayLike) -> jax.Array:
     """Quaternion of the rotation by |vector| about vector; Schaanning (2021), eq. (2.32).
 
@@ -42,6 +44,7 @@ def from_rotation_vector(vector: ArrayLike) -> jax.Array:
     return jnp.concatenate([eta, factor * vector], axis=-1)
 
 
+@compiled_whole
 def to_rotation_vector(q: ArrayLike) -> jax.Array:
     """Rotation vector of a quaternion on the branch that is continuous through 180 degrees.
 
@@ -74,6 +77,7 @@ def to_rotation_vector(q: ArrayLike) -> jax.Array:
     return jnp.where(no_axis, full_turn, 2 * factor * eps)
 
 
+@compiled_whole
 def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> jax.Array:
     """Quaternion of a turn by an angle about an axis; Schaanning (2021), eq. (2.32).
 

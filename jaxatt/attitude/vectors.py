@@ -5,6 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 from jax.typing import ArrayLike
 
+from jaxatt.attitude.whole import compiled_whole
+
 
 def floating(x: ArrayLike) -> jax.Array:
     """Return `x` as a JAX array of floating type, leaving float32 and float64 as they are."""
@@ -64,12 +66,14 @@ def broadcast_batch(*arrays: ArrayLike) -> tuple[jax.Array, ...]:
     return tuple(jnp.broadcast_to(array, batch + array.shape[-1:]) for array in given)
 
 
+@compiled_whole
 def dot(a: ArrayLike, b: ArrayLike) -> jax.Array:
     """Scalar product over the last axis, shape (...)."""
     a, b = broadcast_batch(a, b)
     return jnp.sum(a * b, axis=-1)
 
 
+@compiled_whole
 def cross(a: ArrayLike, b: ArrayLike) -> jax.Array:
     """Vector product a x b = S(a) b over the last axis, shape (..., 3)."""
     a, b = broadcast_batch(vector_of(a), vector_of(b))
@@ -78,6 +82,7 @@ def cross(a: ArrayLike, b: ArrayLike) -> jax.Array:
     return jnp.stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1], axis=-1)
 
 
+@compiled_whole
 def skew(v: ArrayLike) -> jax.Array:
     """Skew-symmetric matrix S(v) with S(v) w = v x w; Schaanning (2021), eq. (2.5).
 
@@ -100,6 +105,7 @@ def stack_matrix(rows: list[list[jax.Array]]) -> jax.Array:
     return jnp.stack([jnp.stack(row, axis=-1) for row in rows], axis=-2)
 
 
+@compiled_whole
 def matvec(matrix: ArrayLike, v: ArrayLike) -> jax.Array:
     """Matrix times vector, (..., n, m) by (..., m), over broadcast leading axes."""
     matrix, v = floating(matrix), floating(v)
@@ -110,6 +116,7 @@ def matvec(matrix: ArrayLike, v: ArrayLike) -> jax.Array:
     return jnp.sum(matrix * v[..., None, :], axis=-1)
 
 
+@compiled_whole
 def norm(v: ArrayLike) -> jax.Array:
     """Euclidean norm over the last axis, shape (...); its gradient at v = 0 is zero."""
     v = floating(v)

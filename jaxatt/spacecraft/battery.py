@@ -7,10 +7,12 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from jaxatt.attitude.whole import compiled_whole
 from jaxatt.spacecraft.parts.battery import battery as battery
 from jaxatt.spacecraft.pytrees import Battery as Battery
 
 
+@compiled_whole
 def charge_along(changes: Any, start: Any, capacity: Any) -> jax.Array:
     """Charge [J] after each of n intervals, with the start in front, (..., n + 1).
 
