@@ -141,7 +141,9 @@ def test_the_law_is_one_start_more_where_it_earns_more(sequence):
     earned = net_power(sequence.phases[0]).energy.baseline
     poor = dataclasses.replace(solved, claimed=np.full(4, earned - 1.0))
     rich = dataclasses.replace(solved, claimed=np.full(4, earned + 1.0))
-    assert also_from_law([manoeuvre], [rich], law, size)[0] is rich
+    (same,) = also_from_law([manoeuvre], [rich], law, size)
+    assert same.torque is rich.torque
+    assert same.law.energy.net_J[0] == pytest.approx(earned, abs=1e-6 * abs(earned))
     (found,) = also_from_law([manoeuvre], [poor], law, size)
     assert found.torque.shape == (5, *solved.torque.shape[1:])
     assert found.status[-1] <= int(Status.FEASIBLE)
