@@ -76,7 +76,6 @@ FIRST = (
     "test_zero_band.py",
     "test_wheels_derivatives.py",
     "test_published_cases.py",
-    "test_page_runs.py",
     "test_compile_cache.py",
     "test_pointing_thrusters.py",
     "test_rotations.py",

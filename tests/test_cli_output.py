@@ -1,4 +1,4 @@
-"""Results are written before anything is printed, so that no reader or disk loses them."""
+"""A result is printed, then written: neither a reader that has gone nor a full disk loses it."""
 
 import errno
 import importlib
@@ -9,9 +9,11 @@ from pathlib import Path
 
 import handmade_results
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from jaxatt.cli import app
+from jaxatt.cli.common import BAD_INPUT, clean_exit, finish
 from jaxatt.report import folder
 from jaxatt.runtime import files
 
@@ -75,8 +77,35 @@ def test_a_full_disk_is_named_and_leaves_nothing(tmp_path, monkeypatch):
     found = CliRunner().invoke(app, ["solve", "double-integrator", "--out", "there"])
     assert found.exit_code == 2
     assert "there: nothing can be written there (No space left on device)" in found.output
-    assert "reached" not in found.output
+    assert "reached the target" in found.output
+    assert "Written to" not in found.output
     assert list((tmp_path / "there").iterdir()) == []
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_files_are_written_once_the_result_is_printed(quiet, tmp_path, capsys):
+    printed = []
+
+    def write():
+        printed.append(capsys.readouterr().out)
+        return [tmp_path / "summary.json", tmp_path / "overview.png"]
+
+    finish("one line", write, tmp_path, quiet, "a table", ["a sentence"])
+    lines = [f"one line; {tmp_path}"] if quiet else ["a table", "a sentence"]
+    assert [line.strip() for line in printed[0].splitlines()] == lines
+    after = capsys.readouterr().out
+    assert after == ("" if quiet else f"Written to {tmp_path}: summary.json and 1 figure\n")
+
+
+def test_a_write_that_fails_leaves_the_printed_table(tmp_path, capsys):
+    def write():
+        raise files.OutputError("there: nothing can be written there")
+
+    with pytest.raises(typer.Exit) as ended, clean_exit():
+        finish("one line", write, tmp_path, False, "a table")
+    assert ended.value.exit_code == BAD_INPUT
+    told = capsys.readouterr()
+    assert "a table" in told.out and "nothing can be written there" in told.err
 
 
 def test_folders_with_impossible_names_are_refused():

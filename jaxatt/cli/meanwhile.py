@@ -15,13 +15,11 @@ def loading(report: Report, modules: tuple[str, ...]) -> Report:
     The first report comes when everything is traced, after which the interpreter is free for most
     of the time.
     """
-    thread = threading.Thread(target=_load, args=(modules,), daemon=True)
-    begun = threading.Event()
+    first = threading.Lock()
 
     def told(stage: str, done: int) -> None:
-        if not begun.is_set():
-            begun.set()
-            thread.start()
+        if first.acquire(blocking=False):
+            threading.Thread(target=_load, args=(modules,), daemon=True).start()
         report(stage, done)
 
     return told
@@ -29,5 +27,5 @@ def loading(report: Report, modules: tuple[str, ...]) -> Report:
 
 def _load(modules: tuple[str, ...]) -> None:
     for module in modules:
-        with suppress(ImportError):  # Whoever needs it says so.
+        with suppress(Exception):  # Whoever needs it says so.
             importlib.import_module(module)

@@ -39,8 +39,6 @@ from jaxatt.report.plots import Figures
 from jaxatt.runtime.joining import JOIN_S, Joining, writes
 from jaxatt.runtime.progress import Reporter
 
-_AT_THE_END = ("h5netcdf", "xarray", "jaxatt.drawing.picture")
-
 
 def solve(
     case: Case,
@@ -74,7 +72,7 @@ def solve(
         joining = Joining(coordinator, processes, process, join_timeout)
         scenario, folder = prepared(case, changes, out, joining)
         with Reporter(scenario.solver.starts, quiet or not writes()) as report:
-            result = find(scenario, report=loading(report, _AT_THE_END))
+            result = find(scenario, report=loading(report, _needed_at_the_end(figures)))
         if writes():
             finish_result(result, folder, figures, quiet)
             if not result.reached:
@@ -83,3 +81,11 @@ def solve(
                 complain(f"{sentence} {shortfall(result)}".strip())
         if not result.reached:
             raise typer.Exit(NOT_REACHED)
+
+
+def _needed_at_the_end(figures: Figures) -> tuple[str, ...]:
+    """Modules that the process that writes the answer needs for it."""
+    if not writes():
+        return ()
+    drawing = () if figures is Figures.none else ("jaxatt.drawing.picture",)
+    return ("h5netcdf", "xarray", *drawing)
