@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from jaxatt.problems.hands_off.file_format import FORMAT as HANDS_OFF
 from jaxatt.problems.net_power.file_format import FORMAT as NET_POWER
-from jaxatt.problems.reading.file_format import Formatted
+from jaxatt.problems.reading.file_format import FileFormat, Formatted
 from jaxatt.problems.time_optimal.file_format import FORMAT as TIME_OPTIMAL
 from jaxatt.problems.toy.file_format import FORMAT as TOY
 
@@ -50,7 +50,8 @@ def register(family: Family) -> None:
 
 def unregister(name: str) -> None:
     """Remove a registered family."""
-    del _FORMATS[name], _FAMILIES[name]
+    del _FORMATS[name]
+    _FAMILIES.pop(name, None)
 
 
 def formats() -> tuple[Formatted, ...]:
@@ -66,8 +67,9 @@ def kinds() -> tuple[str, ...]:
 def family_named(name: str) -> Family:
     """The family of a record; raises `KeyError` where it is not registered."""
     if name not in _FAMILIES:
-        code = {known.name: place for known, place in _CODE.items()}[name]
-        _FAMILIES[name] = pkgutil.resolve_name(code)()
+        known = _FORMATS[name]
+        assert isinstance(known, FileFormat)  # those from outside are families already
+        _FAMILIES[name] = pkgutil.resolve_name(_CODE[known])()
     return _FAMILIES[name]
 
 

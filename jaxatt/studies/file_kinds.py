@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from jaxatt.problems.reading.checking import find_faults
-from jaxatt.problems.reading.faults import UNSOUND, Faults
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError
-from jaxatt.problems.reading.file_format import format_of, scenario_faults
+from jaxatt.problems.reading.file_format import FileFormat, format_of, scenario_faults
 from jaxatt.problems.reading.keys import TableKey
 from jaxatt.problems.reading.tables.vehicle import VEHICLE_FILE_KEYS
 from jaxatt.problems.reading.vehicles import load_vehicle_file, read_vehicle
-from jaxatt.problems.registry import FORMATS
+from jaxatt.problems.registry import formats
 from jaxatt.scenarios.flight_schema import FLIGHT_KEYS
 from jaxatt.studies.tables import DESIGN_KEYS, STUDY_KEYS
 
@@ -57,8 +57,8 @@ def faults_of(
         if folder is not None and kind == "vehicle":
             faults.of(load_vehicle_file, Path(origin))
         return faults.found
-    faults = Faults(scenario_faults(document, origin, FORMATS))
-    family = faults.of(format_of, document, origin, FORMATS)
-    if folder is not None and family is not UNSOUND:
-        family.parts(document, origin, folder, [], faults)
+    faults = Faults(scenario_faults(document, origin, formats()))
+    known = faults.of(format_of, document, origin, formats())
+    if folder is not None and isinstance(known, FileFormat):  # no family from outside
+        known.parts(document, origin, folder, [], faults)
     return faults.found

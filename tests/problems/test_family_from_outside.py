@@ -27,6 +27,7 @@ from jaxatt.problems.sections import Rows, Sections, plain_rows
 from jaxatt.records.phase import Phase, Section
 from jaxatt.records.starts import StartsRecord
 from jaxatt.report.archive import open_archive
+from jaxatt.studies.file_kinds import faults_of
 
 STATE = Numbers("position and speed", size=2, required=True)
 TABLES = {
@@ -259,6 +260,25 @@ def test_bad_input_is_named_as_for_any_family():
         jaxatt.solve(scenarios.from_mapping(DOCUMENT), guess="pd")
     with pytest.raises(scenarios.ScenarioError, match="not a matter of supports"):
         jaxatt.certify(scenarios.from_mapping(DOCUMENT))
+
+
+def test_check_knows_its_files(tmp_path):
+    path = tmp_path / "cart.toml"
+    assert faults_of(DOCUMENT, str(path), "manoeuvre", tmp_path) == []
+    (fault,) = faults_of({**DOCUMENT, "cart": {"drag_1_s": -1.0}}, str(path), "manoeuvre", tmp_path)
+    assert "drag_1_s" in str(fault)
+
+
+def test_a_family_that_was_never_loaded_goes_and_comes_back(monkeypatch):
+    monkeypatch.setattr(registry, "_FORMATS", dict(registry._FORMATS))
+    monkeypatch.setattr(registry, "_FAMILIES", {})
+    registry.unregister("toy")
+    assert "toy" not in {known.name for known in registry.formats()}
+    with pytest.raises(KeyError):
+        registry.family_named("toy")
+    toy = type("Other", (Cart,), {"name": "toy", "systems": ("toy",), "kinds": ("toy",)})()
+    registry.register(toy)
+    assert registry.family_named("toy") is toy
 
 
 def test_a_name_or_kind_that_is_taken_is_refused():
