@@ -10,7 +10,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar
 
-import jax.numpy as jnp
 from jax import Array, lax
 
 _SOLVERS: list[type[Solver]] = []
@@ -60,31 +59,14 @@ class Solver(ABC):
         """Result of a start that has ended."""
 
 
-def advance(solver: Solver, program: Any, state: Any, args: Any, passes: int | None = None) -> Any:
-    """Advance a start by some passes, or until it ends.
-
-    passes : at most; without it as many as it takes.
-    """
-    if passes is None:
-        return lax.while_loop(
-            lambda state: ~solver.done(state),
-            lambda state: solver.step(program, state, args),
-            state,
-        )
-
-    def going(carry: tuple[Any, Array]) -> Array:
-        return ~solver.done(carry[0]) & (carry[1] < passes)
-
-    def onward(carry: tuple[Any, Array]) -> tuple[Any, Array]:
-        return solver.step(program, carry[0], args), carry[1] + 1
-
-    return lax.while_loop(going, onward, (state, jnp.asarray(0)))[0]
-
-
 def solve(solver: Solver, program: Any, start: Any, args: Any) -> Any:
-    """Run one start to its result; `jax.vmap` runs many."""
+    """Run one start to its result; `jaxatt.multistart.driver` runs many."""
     refuse(solver, program)
-    state = advance(solver, program, solver.init(program, start, args), args)
+    state = lax.while_loop(
+        lambda state: ~solver.done(state),
+        lambda state: solver.step(program, state, args),
+        solver.init(program, start, args),
+    )
     return solver.result(program, state, args)
 
 

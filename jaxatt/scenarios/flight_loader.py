@@ -81,7 +81,7 @@ def _read(data: dict[str, Any], origin: str, folder: Path | None, faults: Faults
     campaign = faults.of(flight_tables.read_campaign, data.get("campaign", {}), origin)
     faults.of(_check_epoch, surroundings, around, timing, dumping)
     noise = faults.of(flight_tables.read_noise, data.get("noise", {}), origin)
-    printed = faults.of(_read_printed, data.get("printed", {}), origin, laws)
+    printed = faults.of(_read_printed, data.get("printed", {}), origin, tables)
     faults.refuse()
     signal, band, since = settling
     spread, runs, seed = campaign

@@ -45,7 +45,7 @@ def _max(values: Any, axis: int | None = None, initial: Any = None) -> Any:
         largest = values[values.argmax()]
         return largest if initial is None else _maximum(largest, initial)
     if values.ndim == 0:
-        return _maximum(values, initial)
+        return values if initial is None else _maximum(values, initial)
     return np.maximum.reduce(values, axis, initial=initial)
 
 
