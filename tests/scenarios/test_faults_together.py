@@ -62,6 +62,8 @@ FAULTS = {
         },
         "horizon.coast_intervals": 3,
         "initial.frame": "moon",
+        "title": 5,
+        "printed.rows": [{"label": "a", "net_J": "many"}, {"label": "b", "net_J": []}],
         "baseline.turn_back_s": -1.0,
         "limits": {"least_charge_percent": 120.0},
     },

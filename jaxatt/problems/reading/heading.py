@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import Table
 from jaxatt.problems.reading.names import read_name
 from jaxatt.problems.reading.printed import PrintedNumbers, read_printed
@@ -36,16 +37,20 @@ def read_heading(
 
     printed, printed_rows : what [printed] may hold that is compared, see `read_printed`.
     """
-    top = Table(document, origin, "", scenario_keys(tables))
-    name = read_name(top)
-    return Heading(
-        name,
-        top.text("title", name),
-        top.text("source", "not stated"),
-        top.text("system"),
-        read_solver(document.get("solver", {}), origin),
-        read_printed(document.get("printed", {}), origin, printed or {}, printed_rows),
+    faults = Faults()
+    words = faults.of(_words, faults.of(Table, document, origin, "", scenario_keys(tables)))
+    solver = faults.of(read_solver, document.get("solver", {}), origin)
+    values = faults.of(
+        read_printed, document.get("printed", {}), origin, printed or {}, printed_rows
     )
+    faults.refuse()
+    return Heading(*words, solver, values)
+
+
+def _words(top: Table) -> tuple[str, str, str, str]:
+    """Name, title, source and system."""
+    name = read_name(top)
+    return name, top.text("title", name), top.text("source", "not stated"), top.text("system")
 
 
 def read_solver(data: Any, origin: str) -> SolverSettings:

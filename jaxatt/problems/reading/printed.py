@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
+from jaxatt.problems.reading.faults import Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
 from jaxatt.problems.reading.keys import Key, Number, TableKey
 from jaxatt.problems.reading.schema import unit_of
@@ -30,10 +31,10 @@ def read_printed(
     label : what messages call the table.
     Raises `ScenarioError`.
     """
-    top = _table(data, origin, label)
+    top, faults = _table(data, origin, label), Faults()
     for name, numbers in blocks.items():
         if name in top:
-            _check(_table(top.data[name], origin, f"{label[:-1]}.{name}]", numbers), numbers)
+            faults.of(_check, top.data[name], origin, f"{label[:-1]}.{name}]", numbers)
     if rows is not None and "rows" in top:
         listed = top.data["rows"]
         if not isinstance(listed, list):
@@ -42,9 +43,8 @@ def read_printed(
                 "double brackets"
             )
         for index, item in enumerate(listed):
-            row = _table(item, origin, f"[[printed.rows]] no. {index + 1}", rows)
-            row.text("label")
-            _check(row, rows)
+            faults.of(_check_row, item, origin, f"[[printed.rows]] no. {index + 1}", rows)
+    faults.refuse()
     return top.data
 
 
@@ -56,7 +56,13 @@ def _table(
     return Table(data, origin, label, TableKey(keys_=keys, free=Key()))
 
 
-def _check(table: Table, numbers: PrintedNumbers) -> None:
+def _check_row(data: Any, origin: str, label: str, numbers: PrintedNumbers) -> None:
+    _table(data, origin, label).text("label")
+    _check(data, origin, label, numbers)
+
+
+def _check(data: Any, origin: str, label: str, numbers: PrintedNumbers) -> None:
+    table = _table(data, origin, label, numbers)
     for name, count in numbers.items():
         if name in table and count > 1:
             table.vector(name, count)
