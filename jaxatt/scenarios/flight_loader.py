@@ -16,6 +16,7 @@ from jaxatt.problems.reading.directions import Sky, sky_over
 from jaxatt.problems.reading.documents import read_file
 from jaxatt.problems.reading.faults import UNSOUND, Faults
 from jaxatt.problems.reading.fields import ScenarioError, Table
+from jaxatt.problems.reading.keys import Key, TableKey
 from jaxatt.problems.reading.names import check_folder_name, read_name
 from jaxatt.problems.reading.orbit import covering, read_orbit
 from jaxatt.problems.reading.printed import read_printed
@@ -27,7 +28,6 @@ from jaxatt.scenarios.flight_laws import read_law
 from jaxatt.scenarios.flight_model import FlightScenario, Surroundings, Timing
 from jaxatt.scenarios.flight_schema import FLIGHT_KEYS, FLIGHT_TABLES, PRINTED_FIGURES
 from jaxatt.scenarios.loader import assign, plain_values
-from jaxatt.spacecraft import Spacecraft
 
 
 def load_flight_file(path: str | Path) -> FlightScenario:
@@ -49,7 +49,7 @@ def flight_from_mapping(
 
 def _read(data: dict[str, Any], origin: str, folder: Path | None, faults: Faults) -> FlightScenario:
     """Read the parts of a flight, then what depends on several of them."""
-    top = faults.of(Table, data, origin, "", FLIGHT_KEYS)
+    top = Table(data, origin, "", TableKey(keys_=FLIGHT_KEYS, free=Key()))  # others are told
     name = faults.of(read_name, top)
     notes: list[str] = []
     vehicle = faults.of(read_vehicle, faults.table(data, "vehicle"), origin, folder, notes)
@@ -74,10 +74,10 @@ def _read(data: dict[str, Any], origin: str, folder: Path | None, faults: Faults
     if "dumping" in data:
         dumping = faults.of(flight_tables.read_dumping, data["dumping"], origin, vehicle, around)
     tables = faults.of(_laws, top)
-    laws = {
-        law: faults.of(_read_law, top, gains, origin, law, vehicle)
-        for law, gains in ({} if tables is UNSOUND else tables).items()
-    }
+    laws: dict[str, tuple[Any, str]] = {}
+    for law, gains in ({} if tables is UNSOUND else tables).items():
+        faults.of(check_folder_name, top, "laws", law, "results/NAME/LAW")
+        laws[law] = faults.of(read_law, gains, origin, law, vehicle)
     campaign = faults.of(flight_tables.read_campaign, data.get("campaign", {}), origin)
     faults.of(_check_epoch, surroundings, around, timing, dumping)
     noise = faults.of(flight_tables.read_noise, data.get("noise", {}), origin)
@@ -145,13 +145,6 @@ def _laws(top: Table) -> dict[str, Any]:
     if not isinstance(tables, dict) or not tables:
         top.fail("laws", "holds no law", "write [laws.NAME] and its gains below")
     return tables
-
-
-def _read_law(
-    top: Table, gains: Any, origin: str, name: str, vehicle: Spacecraft
-) -> tuple[Any, str]:
-    check_folder_name(top, "laws", name, "results/NAME/LAW")
-    return read_law(gains, origin, name, vehicle)
 
 
 def _check_epoch(surroundings: Table, around: Surroundings, timing: Timing, dumping: Any) -> None:

@@ -79,6 +79,8 @@ FAULTS = {
         "initial.attitude_deg": [1.0],
         "orbit.elements": "mean",
         "laws.pd.kind": "pdd",
+        "laws.a/b": {"kind": "pd"},
+        "titel": "a letter in another place",
         "laws.smc.lambda": 3,
         "noise.rate_rad_s": -1.0,
         "vehicle.wheels": {"inertia_kgm2": -1.0},
