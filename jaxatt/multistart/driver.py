@@ -24,7 +24,7 @@ from jax.sharding import Mesh
 
 from jaxatt.multistart.refilling import refilling
 from jaxatt.multistart.sharding import ROWS, WHOLE, own_devices, parted, placed, rows_along
-from jaxatt.optimize.solver import Solver, refuse
+from jaxatt.optimize.solver import Solver, refuse, solve
 from jaxatt.runtime.chunks import Progress, chunk_for
 from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.processes import shared
@@ -97,16 +97,25 @@ def _job(solver: Solver, problem: Problem) -> Job:
 
 @functools.partial(Routine, statics=1)
 def to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
-    """Run a chunk of starts to their results, leading axis rows."""
+    """Run a chunk of starts that all take the same number of passes to their results.
+
+    The leading axis is rows.
+    """
     run = functools.partial(_to_the_end, job)
     return parted(job.mesh, run, (ROWS, WHOLE, WHOLE), ROWS)(starts, args, solver)
 
 
 def _to_the_end(job: Job, starts: Any, args: Any, solver: Solver) -> Any:
-    refuse(solver, job.problem.program)
-    chunk = _Chunk(job.problem, solver, _to(solver.batch_axis, starts), args)
-    found = chunk.results(chunk.advanced(chunk.begun()))
-    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, solver.batch_axis, 0), found)
+    axis = solver.batch_axis
+
+    def one(start: Any) -> Any:
+        guess, own = job.problem.enter(start, args)
+        return solve(solver, job.problem.program, guess, own)
+
+    # What all starts share stays one value, such as the count of passes: a branch on it is taken or
+    # not, where in a `_Chunk` both sides would be computed in every pass.
+    found = jax.vmap(one, in_axes=axis, out_axes=axis)(_to(axis, starts))
+    return jax.tree.map(lambda leaf: jnp.moveaxis(leaf, axis, 0), found)
 
 
 @dataclass(frozen=True)
@@ -133,13 +142,12 @@ class _Chunk:
         """Whether each start goes on, (rows,)."""
         return ~self._each(self.solver.done)(states)
 
-    def advanced(self, states: Any, passes: int | None = None) -> Any:
-        """Advance all that are running until they end, or by some passes at most."""
+    def advanced(self, states: Any, passes: int) -> Any:
+        """Advance all that are running by some passes at most."""
         solver, program = self.solver, self.problem.program
 
         def going(carry: tuple[Any, Array]) -> Array:
-            more = jnp.any(self.running(carry[0]))
-            return more if passes is None else more & (carry[1] < passes)
+            return jnp.any(self.running(carry[0])) & (carry[1] < passes)
 
         def one(start: Any, state: Any) -> Any:
             ahead = solver.step(program, state, self.problem.enter(start, self.args)[1])

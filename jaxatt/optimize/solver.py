@@ -60,7 +60,7 @@ class Solver(ABC):
 
 
 def solve(solver: Solver, program: Any, start: Any, args: Any) -> Any:
-    """Run one start to its result; `jaxatt.multistart.driver` runs many."""
+    """Run one start to its result; `jax.vmap` runs many."""
     refuse(solver, program)
     state = lax.while_loop(
         lambda state: ~solver.done(state),
