@@ -30,6 +30,12 @@ class FieldError(ValueError):
         self.field = field
         self.problem = problem
 
+    @property
+    def problem_and_mend(self) -> tuple[str, str]:
+        """What is wrong with the value, and how to mend it."""
+        problem, _, mend = self.problem.partition("; ")
+        return problem, mend
+
 
 def as_float(value: Any) -> float:
     """Return a number as float, infinite where it is larger than any; `TypeError` for others."""

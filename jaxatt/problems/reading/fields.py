@@ -300,7 +300,7 @@ class Table:
         try:
             return array if found.signed else positive(key, array, zero=found.zero)
         except FieldError as error:
-            self._refuse(key, error)
+            self.fail(key, *error.problem_and_mend)
 
     def matrix(self, key: str) -> Float64:
         """Return three rows of three numbers."""
@@ -313,11 +313,7 @@ class Table:
         try:
             return finite_array(key, self.require(key), infinite=infinite)
         except FieldError as error:
-            self._refuse(key, error)
-
-    def _refuse(self, key: str, error: FieldError) -> NoReturn:
-        problem, _, mend = error.problem.partition("; ")
-        self.fail(key, problem, mend)
+            self.fail(key, *error.problem_and_mend)
 
     def _finite(self, key: str, value: Any, *, any_size: bool = False) -> float:
         unit = unit_of(key)

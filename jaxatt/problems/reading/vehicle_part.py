@@ -40,10 +40,4 @@ def checked(table: Table, build: Callable[[], Part]) -> Part:
     try:
         return build()
     except FieldError as error:
-        table.fail(TOML_NAMES.get(error.field, error.field), *split(error))
-
-
-def split(error: FieldError) -> tuple[str, str]:
-    """Return the problem that a constructor found, and the mend."""
-    problem, _, mend = error.problem.partition("; ")
-    return problem, mend
+        table.fail(TOML_NAMES.get(error.field, error.field), *error.problem_and_mend)

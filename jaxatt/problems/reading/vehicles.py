@@ -17,7 +17,7 @@ from jaxatt.problems.reading.vehicle_actuators import (
     read_thrusters,
     read_wheels,
 )
-from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part, split
+from jaxatt.problems.reading.vehicle_part import TOML_NAMES, checked, part
 from jaxatt.problems.reading.vehicle_power import read_battery, read_loads, read_panels
 from jaxatt.problems.reading.wheel_axes import other_mounting
 from jaxatt.spacecraft.checks import FieldError
@@ -166,5 +166,5 @@ def _assembled(table: Table, notes: list[str], *parts: Any) -> Spacecraft:
         return create(table.data["inertia_kgm2"], *parts, notes=notes)
     except FieldError as error:
         if error.field == "torque_directions":
-            part(table, "thrusters").fail(error.field, *split(error))
-        table.fail(TOML_NAMES[error.field], *split(error))
+            part(table, "thrusters").fail(error.field, *error.problem_and_mend)
+        table.fail(TOML_NAMES[error.field], *error.problem_and_mend)

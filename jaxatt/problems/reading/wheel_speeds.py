@@ -44,7 +44,7 @@ def _band(data: Any, label: str, origin: str, count: int) -> tuple[Any, Any, Any
     try:
         speed_bands([band], count)
     except FieldError as error:
-        problem, _, mend = error.problem.partition("; ")
+        problem, mend = error.problem_and_mend
         if "at least 0" in mend or "must be" in mend:
             mend = f"{mend}: bands are of the magnitude, so that one around zero is from 0"
         table.fail(_NAMES[error.field], problem, mend)
