@@ -10,7 +10,7 @@ from jaxatt.drawing.rendering import as_html, as_text
 from jaxatt.problems.answer import Answer
 from jaxatt.report.dataset import to_dataset
 from jaxatt.report.folder import save
-from jaxatt.report.plots import plot, save_figures
+from jaxatt.report.plots import plot
 from jaxatt.report.summary import summary
 from jaxatt.report.tables import result_table
 
@@ -42,10 +42,6 @@ class Result(Answer):
         Raises `OutputError` (a `ValueError`) where nothing can be written.
         """
         return save(self, folder, figures)
-
-    def save_figures(self, folder: str | Path, figures: str = "all") -> list[Path]:
-        """Draw figures into a folder, as `save` does; return the files."""
-        return save_figures(self, folder, figures)
 
     def __str__(self) -> str:
         return as_text(result_table(self))
