@@ -70,6 +70,16 @@ class Tenfold(Halving):
         return state.passes >= 10
 
 
+@jax.tree_util.register_dataclass
+@dataclass(frozen=True)
+class Branching(Tenfold):
+    """The last passes are others."""
+
+    def step(self, program, state, args):
+        x = jax.lax.cond(state.passes < 8, lambda x: 0.5 * x, lambda x: 0.1 * x, state.x)
+        return Walk(x, state.passes + 1)
+
+
 SOLVERS = [Halving(), FirstAxis(), Tenfold()]
 TARGET = np.array([0.25, -1.0])
 
@@ -94,6 +104,15 @@ def test_a_start_ends_as_if_alone_whatever_the_chunk(solver, count, rows):
     assert told[0] == 0 and sum(told) == count
     if not solver.same_passes and count > 8:
         assert found["passes"].min() < solver.passes < found["passes"].max()
+
+
+def test_a_branch_on_a_count_that_all_starts_share_stays_one():
+    """Otherwise both sides are computed for every start, in every pass."""
+    job = driver.Job(Plain(Target()), False, None)
+    traced = jax.make_jaxpr(driver.to_the_end._function, static_argnums=0)(
+        job, drawn(8), TARGET, Branching()
+    )
+    assert "cond[" in str(traced)
 
 
 @pytest.mark.parametrize("solver", SOLVERS, ids=lambda s: type(s).__name__)
