@@ -12,8 +12,8 @@ from jaxatt.runtime.chunks import Report
 def loading(report: Report, modules: tuple[str, ...]) -> Report:
     """A report of progress whose first call begins to load modules in a thread.
 
-    The first report comes when everything is traced, after which the interpreter is free for most
-    of the time.
+    Where programs are compiled ahead the first report comes when they are traced, after which the
+    interpreter is free for most of the time.  Any thread may report.
     """
     first = threading.Lock()
 
