@@ -172,3 +172,8 @@ def test_a_fault_of_a_vehicles_file_is_told_once(tmp_path: Path) -> None:
     document = tomllib.loads(file.read_text(encoding="utf-8"))
     (fault,) = faults_of(document, str(file), "vehicle", tmp_path)
     assert "torque_limit_Nm = -1.0" in str(fault)
+
+
+def test_figures_of_laws_that_cannot_be_read_are_no_fault() -> None:
+    (fault,) = messages("hypso1-pointing-unloading", {"laws": {}})
+    assert "holds no law" in fault
