@@ -5,6 +5,7 @@ import json
 import re
 import subprocess
 import sys
+from importlib import resources
 from pathlib import Path
 from urllib.parse import urlparse
 from urllib.request import url2pathname
@@ -90,12 +91,23 @@ def test_a_shown_scenario_is_changed_and_solved(here):
         (("plan", "hypso1-90-0-0"), ("has no [[tasks]] to plan; use jaxatt solve",)),
         (("plan", "hypso2-orbit", "--dates", "2022-01-01"), ("such as 2023-01-01:2023-12-31:7",)),
         (("solve", "hypso1-90-0-0", "--out", "taken/below"), ("nothing can be written there",)),
+        (("solve", "hypso1-pointing"), ("is a bundled flight; use jaxatt simulate",)),
+        (("simulate", "mrp-k4"), ("is a bundled manoeuvre; use jaxatt solve",)),
+        (("solve", "body.toml"), ("describes a vehicle, not a manoeuvre; name it in one",)),
+        (("solve", "folder"), ("is a folder; name a file in it",)),
+        (("show", "folder"), ("holds a result and no store",)),
+        (("solv", "mrp-k4"), ("Did you mean 'solve'?",)),
+        (("new", "mine", "--inertia", "1,1,3"), ("vehicle.toml: inertia_kgm2", "triangle")),
     ],
 )
 def test_bad_input_ends_with_2_and_leaves_nothing(here, arguments, words):
     (here / "taken").write_text("a file")
     document = scenarios.text("hypso1-90-0-0").replace("horizon_s =", "horizon =")
     (here / "broken.toml").write_text(document)
+    hypso1 = resources.files("jaxatt.spacecraft") / "vehicles" / "hypso1.toml"
+    (here / "body.toml").write_text(hypso1.read_text(encoding="utf-8"))
+    (here / "folder").mkdir()
+    (here / "folder" / "summary.json").write_text("{}")
     before = sorted(here.iterdir())
     found = run(*arguments)
     assert found.exit_code == 2

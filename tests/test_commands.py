@@ -4,7 +4,9 @@ import subprocess
 import sys
 
 import pytest
+from typer.testing import CliRunner
 
+from jaxatt.cli import app
 from jaxatt.cli.commands import COMMANDS, loaded
 
 HEAVY = ("jax", "matplotlib", "scipy", "xarray", "h5py", "zarr")
@@ -15,9 +17,22 @@ def test_the_help_has_the_first_line_of_each_command(name):
     assert loaded(name).help.splitlines()[0] == COMMANDS[name][1]
 
 
+def test_units_are_no_markup_of_the_help():
+    shown = CliRunner().invoke(app, ["new", "--help"]).output
+    assert all(unit in shown for unit in ("[kg m^2]", "[rad/s]", "[deg]", "[N m]"))
+
+
 @pytest.mark.parametrize(
     "arguments",
-    [(), ("--help",), ("scenarios",), ("scenarios", "show", "mrp-k4"), ("schema",), ("nosuch",)],
+    [
+        (),
+        ("--help",),
+        ("--version",),
+        ("scenarios",),
+        ("scenarios", "show", "mrp-k4"),
+        ("schema",),
+        ("nosuch",),
+    ],
 )
 def test_what_computes_nothing_loads_no_jax(arguments):
     code = (

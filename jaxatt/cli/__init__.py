@@ -8,8 +8,9 @@ another process of the same computation is lost, 130 when interrupted.
 from __future__ import annotations
 
 import gc
+import importlib.metadata
 import warnings
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 
@@ -28,8 +29,21 @@ app = typer.Typer(
 )
 
 
+def _tell_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"jaxatt {importlib.metadata.version('jaxatt')}")
+        raise typer.Exit
+
+
 @app.callback()
-def jaxatt() -> None:
+def jaxatt(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_tell_version, is_eager=True, help="Say the version and exit."
+        ),
+    ] = False,
+) -> None:
     """Spacecraft attitude manoeuvres that touch the actuators least."""
 
 

@@ -8,7 +8,9 @@ from jaxatt.cli.common import clean_exit, say
 from jaxatt.runtime.compile_cache import MOST_BYTES, Kept, clear, kept, user_cache
 
 cache = typer.Typer(
-    help="Say what is kept of compiled programs, or remove it.", add_completion=False
+    help="Say what is kept of compiled programs, or remove it.",
+    add_completion=False,
+    no_args_is_help=True,
 )
 
 

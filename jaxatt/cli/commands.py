@@ -127,6 +127,7 @@ class Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
         """The command that is called, itself."""
+        self.commands = {each: self.get_command(ctx, each) for each in COMMANDS}  # to be suggested
         name, command, rest = super().resolve_command(ctx, args)
         if command and name in TAKES and any(arg.endswith(".toml") for arg in rest):
             pkgutil.resolve_name("jaxatt.cli.early:refuse_early")(name, rest)

@@ -13,6 +13,7 @@ from jaxatt.cli.common import clean_exit, numbers, say
 from jaxatt.problems.reading.checking import refuse
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import ScenarioError
+from jaxatt.problems.reading.vehicles import vehicle_from_mapping
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.files import OutputError, filling, prepare_folder
 from jaxatt.scenarios.beginnings import BEGINNINGS, begin
@@ -39,7 +40,7 @@ def new(
         str | None,
         typer.Option(
             metavar="X,Y,Z",
-            help="Principal moments of inertia [kg m^2].",
+            help=r"Principal moments of inertia \[kg m^2].",
             show_default="0.08,0.11,0.04",
         ),
     ] = None,
@@ -52,20 +53,20 @@ def new(
     ] = None,
     wheel_inertia: Annotated[
         float | None,
-        typer.Option(help="Inertia of a wheel about its axis [kg m^2].", show_default="2.1e-4"),
+        typer.Option(help=r"Inertia of a wheel about its axis \[kg m^2].", show_default="2.1e-4"),
     ] = None,
     wheel_speed: Annotated[
-        float | None, typer.Option(help="Fastest speed of a wheel [rad/s].", show_default="500")
+        float | None, typer.Option(help=r"Fastest speed of a wheel \[rad/s].", show_default="500")
     ] = None,
     target: Annotated[
         str | None,
         typer.Option(
-            metavar="ROLL,PITCH,YAW", help="Attitude at the end [deg].", show_default="90,45,15"
+            metavar="ROLL,PITCH,YAW", help=r"Attitude at the end \[deg].", show_default="90,45,15"
         ),
     ] = None,
     horizon: Annotated[
         float | None,
-        typer.Option(help="Length of a manoeuvre whose time is fixed [s].", show_default="70"),
+        typer.Option(help=r"Length of a manoeuvre whose time is fixed \[s].", show_default="70"),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite files.")] = False,
 ) -> None:
@@ -83,7 +84,10 @@ def new(
         texts = begin(kind.value, folder.resolve().name, asked)
         for name, text in texts.items():
             document = parse(text, name)
-            refuse(faults_of(document, name, kind_of_document(document)))
+            kind_of_file = kind_of_document(document)
+            refuse(faults_of(document, name, kind_of_file))
+            if kind_of_file == "vehicle":
+                vehicle_from_mapping(document, name)
             if (folder / name).exists() and not force:
                 raise OutputError(f"{folder / name}: is there already; give --force to overwrite")
         with filling(prepare_folder(folder)) as partial:

@@ -30,7 +30,9 @@ def check_outputs(summary: Mapping[str, Any], names: Sequence[str], origin: str)
         if found is _MISSING:
             known = list(_numbers(summary, ""))
             near = nearest(name, known)
-            hint = f"did you mean '{near}'?" if near else f"it has {', '.join(known)}"
+            short = [each for each in known if not each.rpartition(".")[2].isdecimal()]
+            has = f"it has {', '.join(short)}; the state of a sample is kept anyway"
+            hint = f"did you mean '{near}'?" if near else has
             raise ScenarioError(f"{label}: a summary of this scenario has no such number; {hint}")
         if isinstance(found, str):
             raise ScenarioError(

@@ -89,6 +89,7 @@ def _map(axes: Axes, result: Answer, index: int) -> None:
         _cone(axes, record, index)
     axes.grid(True, color="#E6E6E6", linewidth=0.6)
     axes.tick_params(labelsize=7)
+    axes.set_title("inertial axes, the cone where it is closest", fontsize="small", pad=10)
     handles, labels = axes.get_legend_handles_labels()
     kept = dict(zip(labels, handles, strict=True))
     axes.legend(

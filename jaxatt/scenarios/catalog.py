@@ -8,10 +8,13 @@ from pathlib import Path
 from jaxatt.problems.reading.documents import parse
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.scenario import Scenario
-from jaxatt.scenarios.bundled import names, suggestion, text
+from jaxatt.scenarios.bundled import kind_of, names, suggestion, text
 from jaxatt.scenarios.flight_loader import flight_from_mapping, load_flight_file
 from jaxatt.scenarios.flight_model import FlightScenario
 from jaxatt.scenarios.loader import from_mapping, load_file
+
+_COMMANDS = {"manoeuvre": "solve", "flight": "simulate", "study": "sweep", "design": "design"}
+"""Command that takes a bundled file of a kind."""
 
 
 def load(name_or_path: str | Path) -> Scenario:
@@ -49,5 +52,10 @@ def _is_file(name_or_path: str | Path) -> bool:
 
 
 def _neither(wanted: str, kind: str, word: str) -> ScenarioError:
+    if os.path.isdir(wanted):
+        return ScenarioError(f"{wanted}: is a folder; name a file in it, such as scenario.toml")
+    other = kind_of(wanted)
+    if other in _COMMANDS and other != kind:
+        return ScenarioError(f"{wanted}: is a bundled {other}; use jaxatt {_COMMANDS[other]}")
     hint = suggestion(wanted, kind)
     return ScenarioError(f"{wanted}: neither a bundled {word} nor a file; {hint}")

@@ -82,6 +82,8 @@ def finite_array(field: str, value: Any, *, infinite: bool = False) -> Float64:
             raise TypeError
         array = raw.astype(np.float64)
     except (TypeError, ValueError):
+        if isinstance(value, str):
+            raise FieldError(field, "is a text; write numbers without quotes") from None
         raise FieldError(
             field,
             f"{brief(value)} is not an array of real numbers; give numbers in rows of equal length",

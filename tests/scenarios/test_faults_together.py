@@ -13,6 +13,7 @@ import pytest
 
 from jaxatt import scenarios
 from jaxatt.problems.reading.fields import ScenarioError, ScenarioErrors
+from jaxatt.problems.reading.lines import located
 from jaxatt.scenarios.flight_loader import flight_from_mapping
 from jaxatt.scenarios.loader import assign, from_mapping
 from jaxatt.studies.file_kinds import faults_of
@@ -171,7 +172,8 @@ def test_a_fault_of_a_vehicles_file_is_told_once(tmp_path: Path) -> None:
     )
     document = tomllib.loads(file.read_text(encoding="utf-8"))
     (fault,) = faults_of(document, str(file), "vehicle", tmp_path)
-    assert "torque_limit_Nm = -1.0" in str(fault)
+    assert "[wheels] torque_limit_Nm = -1.0" in located(fault)
+    assert located(fault).startswith(f"{file}:5: ")
 
 
 def test_figures_of_laws_that_cannot_be_read_are_no_fault() -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Hashable
+import inspect
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -162,6 +163,7 @@ def counts_of(
                 continue
             if not callable(function):
                 raise ValueError(f"{name} = {function!r}: must be a function of (x, *args)")
+            _check_call(name, function, (x, *args))
             returned = jax.eval_shape(lambda y, a, f=function: jnp.asarray(f(y, *a)), at, args)
             if jnp.issubdtype(returned.dtype, jnp.complexfloating):
                 raise ValueError(f"{name} returns complex numbers: must be real")
@@ -174,3 +176,18 @@ def counts_of(
             counts.append(int(np.prod(returned.shape)))
         known.counts = (counts[1], counts[2])
     return known.counts
+
+
+def _check_call(name: str, function: Callable[..., Any], given: tuple[Any, ...]) -> None:
+    """Refuse a function that takes another number of arguments than it is given."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # some built in ones have none
+        return
+    try:
+        signature.bind(*given)
+    except TypeError as error:
+        raise ValueError(
+            f"{name}: does not take (x, *args) with {len(given) - 1} in args ({error}); write it "
+            "as f(x), or give what else it takes as args = (...)"
+        ) from None

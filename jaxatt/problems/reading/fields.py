@@ -198,6 +198,8 @@ class Table:
             self.fail(key, f"must be at least {at_least:g}", f"give a larger number{units}")
         if at_most is not None and not result <= at_most:
             self.fail(key, f"must be at most {at_most:g}", f"give a smaller number{units}")
+        if found.below is not None and not result < found.below:
+            self.fail(key, f"must be less than {found.below:g}", f"give a smaller number{units}")
         return result
 
     def integer(self, key: str, default: int | None = None) -> int:

@@ -57,13 +57,14 @@ class Number(Key):
     above: float | None = None
     at_least: float | None = None
     at_most: float | None = None
+    below: float | None = None
     reader: ClassVar[str] = "number"
 
     def words(self) -> str:
-        return f"number{_range(self.above, self.at_least, self.at_most)}"
+        return f"number{_range(self.above, self.at_least, self.at_most, self.below)}"
 
     def schema(self) -> Schema:
-        return _bounds(self.above, self.at_least, self.at_most)
+        return _bounds(self.above, self.at_least, self.at_most, self.below)
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,9 +282,17 @@ class TableKey(Key, Mapping[str, Key]):
 
 
 def _bounds(
-    above: float | None = None, at_least: float | None = None, at_most: float | None = None
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+    below: float | None = None,
 ) -> Schema:
-    found = {"exclusiveMinimum": above, "minimum": at_least, "maximum": at_most}
+    found = {
+        "exclusiveMinimum": above,
+        "minimum": at_least,
+        "maximum": at_most,
+        "exclusiveMaximum": below,
+    }
     return {**_NUMBER, **{name: limit for name, limit in found.items() if limit is not None}}
 
 
@@ -292,8 +301,11 @@ def _size(size: int | None) -> Schema:
 
 
 def _range(
-    above: float | None = None, at_least: float | None = None, at_most: float | None = None
+    above: float | None = None,
+    at_least: float | None = None,
+    at_most: float | None = None,
+    below: float | None = None,
 ) -> str:
-    parts = (("> ", above), (">= ", at_least), ("<= ", at_most))
+    parts = (("> ", above), (">= ", at_least), ("<= ", at_most), ("< ", below))
     told = ", ".join(f"{sign}{limit:g}" for sign, limit in parts if limit is not None)
     return f" {told}" if told else ""

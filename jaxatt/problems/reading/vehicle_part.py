@@ -31,8 +31,9 @@ TOML_NAMES = {
 
 
 def part(table: Table, name: str) -> Table:
-    """Return the table of a part of the vehicle, e.g. [vehicle.wheels]."""
-    return Table(table.data[name], table.origin, f"[vehicle.{name}]", VEHICLE_PARTS[name])
+    """Return the table of a part: [vehicle.wheels], or [wheels] in a vehicle's own file."""
+    label = f"[vehicle.{name}]" if table.label else f"[{name}]"
+    return Table(table.data[name], table.origin, label, VEHICLE_PARTS[name])
 
 
 def checked(table: Table, build: Callable[[], Part]) -> Part:

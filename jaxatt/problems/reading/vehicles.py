@@ -42,8 +42,14 @@ def load_vehicle(name: str) -> Spacecraft:
 
 def load_vehicle_file(path: Path) -> Spacecraft:
     """Return the vehicle of a file of its own."""
-    data = {"file": path.name}
-    return read_vehicle(data, str(path), path.parent, [], magnetorquers_alone=True)
+    return vehicle_from_mapping(
+        whole_vehicle({"file": path.name}, str(path), path.parent), str(path)
+    )
+
+
+def vehicle_from_mapping(document: dict[str, Any], origin: str) -> Spacecraft:
+    """Return the vehicle of a document whose parts stand at the top; origin : for messages."""
+    return _build(Table(document, origin, "", VEHICLE_FILE_KEYS), [], magnetorquers_alone=True)
 
 
 def read_vehicle(

@@ -62,10 +62,18 @@ def opened(path: Path, mode: str) -> Any:
     """Open a store; raises `OutputError` where the folder is none, or one of another version."""
     import zarr
 
+    if (path / "summary.json").is_file():
+        raise OutputError(
+            f"{path}: holds a result and no store of samples; look at its figures and "
+            "summary.json, or read its archive with jaxatt.open_archive"
+        )
     try:
         group: Any = zarr.open_group(path, mode=mode, zarr_format=3)  # type: ignore[arg-type]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(f"{path}: is no store of samples ({error}); check the path") from None
+        inside = sorted(path.glob("*.zarr"))
+        mend = f"name {inside[0]}" if inside else "check the path"
+        why = "" if isinstance(error, FileNotFoundError) else f" ({error})"
+        raise OutputError(f"{path}: is no store of samples{why}; {mend}") from None
     version = group.attrs.get(_FORMAT)
     if version != FORMAT:
         has = "no store of samples" if version is None else f"a store of version {version}"

@@ -37,8 +37,9 @@ ORBIT = TableKey(
             example="6852.2",
         ),
         "eccentricity": Number(
-            "eccentricity, less than 1",
+            "eccentricity of a closed orbit",
             at_least=0.0,
+            below=1.0,
             required=True,
             unless=SOURCES,
             example="0.002",
