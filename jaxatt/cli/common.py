@@ -129,7 +129,7 @@ def finish(
         if unprinted is not None:
             raise unprinted
         if not quiet:
-            say(f"Written to {folder}: {', '.join(plain)} and {figures}")
+            say(f"Written to {folder}: {' and '.join(filter(None, [', '.join(plain), figures]))}")
     except OutputError as error:
         raise OutputError(f"{error}; all files are in {folder}") from error
 

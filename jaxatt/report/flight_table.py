@@ -27,6 +27,7 @@ def flight_table(result: FlightRecord) -> Table:
         title=Text(title, style="bold"),
         caption=Text(_caption(result, numbers)),
         box=box.SIMPLE_HEAD,
+        show_header=many,
         title_justify="left",
         caption_justify="left",
     )

@@ -79,8 +79,9 @@ class SparseFamily(Family):
         task = self.build(reaching, PhaseStart())(reaching)
         if task.system.decided_by in (DecidedBy.STAGES, DecidedBy.LAGRANGIAN) or task.watches:
             raise ScenarioError(
-                f"{scenario.name}: has path constraints (wheel speed limits, cones, limits on the "
-                "rate), under which supports cannot be tried one by one; certify it without them"
+                f"{scenario.name}: has limits along the way, under which supports cannot be tried "
+                "one by one; certify it without what it has of speed_limit_rad_s under "
+                "[vehicle.wheels], [[keep_out]], [[keep_in]] and [limits]"
             )
 
     def certify(

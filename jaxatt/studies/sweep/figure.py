@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from jaxatt.drawing.picture import Picture
 
 _MOST_PANELS = 30
+_MOST_TICKS = 7
+"""Values of a quantity that all stand at its axis."""
 _AXIS = {"linear": "linear", "logarithmic": "log"}
 """What matplotlib calls the scales of a study."""
 
@@ -132,6 +134,10 @@ def _map(
     field[at] = np.where(state == REACHED, dataset[output].values, np.nan)
     axes.set_xscale(_AXIS[scales[0]])
     axes.set_yscale(_AXIS[scales[1]])
+    for axis, values in ((axes.xaxis, x), (axes.yaxis, y)):
+        if len(values) <= _MOST_TICKS:  # cells reach beyond the values that were solved
+            axis.set_ticks(values, labels=[f"{value:.4g}" for value in values])
+            axis.set_ticks([], minor=True)
     shown = axes.pcolormesh(_edges(x, scales[0]), _edges(y, scales[1]), field.T, cmap="viridis")
     made.colorbar(shown, ax=axes)
     for kind, marker, words in ((NOT_REACHED, "x", "not reached"), (FAILED, "^", "no answer")):
