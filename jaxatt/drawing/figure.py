@@ -51,6 +51,13 @@ def whole_ticks(axis: Axis) -> None:
     axis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
 
 
+def no_rounding(axes: Axes, value: float) -> None:
+    """Widen the vertical axis to 0.1 % around a value, where rounding alone would fill it."""
+    low, high = axes.get_ylim()
+    reach = 1e-3 * abs(value)
+    axes.set_ylim(min(low, value - reach), max(high, value + reach))
+
+
 def save(figure: Picture, path: str | Path) -> None:
     """Write a figure as PNG, completely or not at all."""
     with replacing(path) as partial:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jaxatt.drawing.figure import colour, tidy, whole_ticks
+from jaxatt.drawing.figure import colour, no_rounding, tidy, whole_ticks
 from jaxatt.records.phase import Phase
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ def starts_panel(axes: Axes, phase: Phase, unitless: bool = False) -> None:
         other, words = phase.alternative, "best that reaches"
         diamond = ringed | {"s": 70, "c": colour(5), "marker": "D", "label": words}
         axes.scatter(other.active_intervals, unit * other.l1_effort, **diamond)
+    no_rounding(axes, unit * phase.l1_effort)
     axes.set_xlabel("active intervals")
     axes.set_ylabel("∫ |u| dt" if unitless else "L1 effort [mN m s]")
     whole_ticks(axes.xaxis)

@@ -96,7 +96,7 @@ def _flown_phase(
         reference=flown.reference,
         errors={name: float(value[0]) for name, value in verdict.errors.items()},
         tolerances=verdict.tolerances,
-        limit_violation=float(verdict.limit_violation[0]),
+        limit_violation=float(verdict.limit_violation[0]) + 0.0,  # no -0
         margin_violation=float(verdict.margin_violation[0]),
         objective={name: float(value[0]) for name, value in flown.cost.items()},
         l1_effort=float(task.l1_effort(controls)[0]),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from jaxatt.drawing.figure import colour, tidy, whole_ticks
+from jaxatt.drawing.figure import colour, no_rounding, tidy, whole_ticks
 from jaxatt.drawing.panels import QUATERNION, lines, references
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.net_power.record import net_power
@@ -139,6 +139,7 @@ def starts_panel(axes: Axes, phase: Phase) -> None:
             axes.scatter(rank[mask], value[mask], label=f"{words} ({int(mask.sum())})", **style)
     best = found.energy.net if found.cost is None else found.cost
     axes.axhline(best, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
+    no_rounding(axes, best)
     words = "cost" if costly else "energy"
     axes.set_xlabel(f"starts in order of {words} ({100 * found.share:.0f} % at the best)")
     axes.set_ylabel("cost" if costly else "net energy [J]")

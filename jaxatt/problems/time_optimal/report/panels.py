@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from jaxatt.attitude import mrp
-from jaxatt.drawing.figure import colour, tidy, whole_ticks
+from jaxatt.drawing.figure import colour, no_rounding, tidy, whole_ticks
 from jaxatt.problems.answer import Answer
 from jaxatt.problems.sections import Panel
 from jaxatt.problems.time_optimal.record import time_optimum
@@ -77,6 +77,7 @@ def costs_panel(axes: Axes, phase: Phase) -> None:
             style: dict[str, Any] = {"s": 20, "color": colour(index), "marker": marker}
             axes.scatter(rank[mask], cost[mask], label=f"{words} ({int(mask.sum())})", **style)
     axes.axhline(optimum.cost, color="#444444", linewidth=0.8, linestyle=(0, (4, 3)))
+    no_rounding(axes, optimum.cost)
     axes.set_xlabel(f"starts in order of cost ({100 * optimum.share:.0f} % at the best)")
     axes.set_ylabel("cost [s]")
     whole_ticks(axes.xaxis)
