@@ -31,9 +31,12 @@ def grown(
         with Reporter(samples, quiet) as report:
             found = run(report)
     except KeyboardInterrupt:
-        complain(
-            f"Interrupted; what is done stays in {path}, and the same command goes on from it."
-        )
+        if path.exists():
+            complain(
+                f"Interrupted; what is done stays in {path}, and the same command goes on from it."
+            )
+        else:
+            complain("Interrupted before anything was done; nothing was written.")
         raise typer.Exit(INTERRUPTED) from None
     task, of = share
     if of > 1:

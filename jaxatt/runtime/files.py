@@ -37,7 +37,8 @@ def prepare_folder(path: str | Path) -> Path:
 
 
 def _refused(folder: Path, error: Exception) -> OutputError:
-    reason = getattr(error, "strerror", None) or error
+    is_file = isinstance(error, FileExistsError)
+    reason = "it is a file" if is_file else getattr(error, "strerror", None) or error
     return OutputError(
         f"{folder}: nothing can be written there ({reason}); name another folder, make room in it "
         "or change its permissions"

@@ -22,6 +22,15 @@ from jaxatt.runtime.settings import RUNS_ONCE
 
 def check_parameters(of: Continuous, p: Any) -> None:
     """Raise ValueError where functions of the parameters return what they should not."""
+    try:
+        _check(of, p)
+    except KeyError as error:
+        raise ValueError(
+            f"parameters: functions of the problem ask for {error}, which is not among them; add it"
+        ) from error
+
+
+def _check(of: Continuous, p: Any) -> None:
     start = _value("initial_state", of.initial_state, (of.states,), p)
     if not np.isfinite(start).all():
         raise ValueError(f"initial_state is {start}; finite numbers are expected")

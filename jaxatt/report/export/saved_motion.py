@@ -17,7 +17,7 @@ from jaxatt.problems.reading.dates import moment_of
 from jaxatt.problems.reading.directions import Sky, sky_over
 from jaxatt.problems.reading.fields import ScenarioError
 from jaxatt.problems.reading.orbit import covering, read_orbit
-from jaxatt.report.archive import open_archive
+from jaxatt.report.archive import ARCHIVES, open_archive
 from jaxatt.runtime.arrays import Floats
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     import xarray
 
-ARCHIVES = ("result.nc", "flight.nc")
 _JOINED = 1e-6
 """[rad] and [rad/s] by which the end of a phase and the start of the next differ by rounding."""
 
