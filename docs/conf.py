@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 project = "jaxatt"
@@ -89,7 +90,16 @@ def _plain(text: str) -> str:
     return "`".join(parts)
 
 
+def lead_to_first_page(app: Any, error: Exception | None) -> None:
+    """Write the index that browsers and servers look for at the top of a site."""
+    if error is None and app.builder.format == "html":
+        to = f'<meta http-equiv="refresh" content="0; url={root_doc}.html">'
+        page = f"<!doctype html><title>{project}</title>{to}"
+        (Path(app.outdir) / "index.html").write_text(page + "\n", encoding="utf-8")
+
+
 def setup(app: Any) -> None:
     """Connect the steps of this file."""
+    app.connect("build-finished", lead_to_first_page)
     app.connect("source-read", read_page)
     app.connect("autodoc-process-docstring", read_docstring, priority=400)
