@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from textwrap import fill
 from typing import TYPE_CHECKING
@@ -53,9 +54,9 @@ def whole_ticks(axis: Axis) -> None:
 
 def no_rounding(axes: Axes, value: float) -> None:
     """Widen the vertical axis to 0.1 % around a value, where rounding alone would fill it."""
-    low, high = axes.get_ylim()
-    reach = 1e-3 * abs(value)
-    axes.set_ylim(min(low, value - reach), max(high, value + reach))
+    if math.isfinite(value):
+        (low, high), reach = axes.get_ylim(), 1e-3 * abs(value)
+        axes.set_ylim(min(low, value - reach), max(high, value + reach))
 
 
 def save(figure: Picture, path: str | Path) -> None:
