@@ -69,7 +69,7 @@ def test_no_turn_and_half_a_turn_are_written() -> None:
 def test_the_page_shows_what_the_command_prints() -> None:
     found = CliRunner().invoke(app, ["conventions"])
     assert found.exit_code == 0
-    assert f"```\n{found.output}```" in PAGE.read_text(encoding="utf-8")
+    assert f"```text\n{found.output}```" in PAGE.read_text(encoding="utf-8")
     other = CliRunner().invoke(app, ["conventions", "--quaternion", "0.5,0.5,0.5,0.5"])
     assert re.search(r"rotation vector +69\.282032303 +69\.28", other.output)
 
