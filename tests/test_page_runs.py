@@ -17,6 +17,7 @@ NOT_RUN = {
         "pip takes what it installs from the network",
         "the tests themselves",
     ],
+    "docs/design.md": ["minutes each; tests/studies/test_design.py has smaller ones of both kinds"],
     "docs/scale.md": ["several machines; tests/multistart/test_processes.py joins two processes"],
     "docs/start.md": ["pip takes what it installs from the network"],
     "docs/tutorials/net-power.md": [
