@@ -109,7 +109,7 @@ def test_a_plan_beside_tables_5_7_and_5_8(solved):
 def test_files_of_a_comparison_of_energies(solved, tmp_path, monkeypatch):
     solved(handmade_net_power.phase(573.5, baseline=501.2))
     # The files of single results have their own tests, and figures take seconds.
-    drawn = SimpleNamespace(savefig=lambda path, **_: path.write_bytes(b""))
+    drawn = SimpleNamespace(write_png=lambda path: path.write_bytes(b""))
     monkeypatch.setattr(energy_comparison.plots, "plot", lambda result: drawn)
     monkeypatch.setattr(energy_comparison, "save_result", lambda result, folder: [folder / "files"])
     files = compare_energy(scenarios.load("hypso1-netpower")).save(tmp_path / "out")
