@@ -79,7 +79,8 @@ def test_page_runs_as_printed(page: Path, own_settings: None) -> None:
         for block, printed in pages.run(text, less=True):
             after = every[every.index(block) + 1 :][:1]
             if after and after[0].language == "text" and not block.mark:
-                assert verdicts(printed) == verdicts(after[0].text)
+                told = verdicts(after[0].text)  # A page may show a part of what is printed.
+                assert [row for row in verdicts(printed) if row in told] == told
             runs += 1
     assert runs == sum(block.runs for block in every)
 
