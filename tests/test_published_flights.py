@@ -43,6 +43,7 @@ def test_pointing_settles_as_printed():
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_slewing_settles_as_printed_where_the_attitude_is_free():
     flight = replace_in_flight(load_flight("hypso1-slewing"), {"simulation.duration_s": 80.0})
     figures = simulate(flight, "gsta").flown.figures

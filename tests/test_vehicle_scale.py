@@ -67,7 +67,11 @@ def multiplied(scenario, factor):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in CASES]
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.slow, pytest.mark.optimised] * (name in SLOW))
+        for name in CASES
+    ],
 )
 def test_the_same_motion_with_torques_in_proportion_and_nothing_compiled_again(name, compilations):
     """From 1e-6 to 1e6 times a vehicle, whatever the objective."""

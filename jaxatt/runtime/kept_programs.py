@@ -40,7 +40,7 @@ def circumstances() -> str:
         if not any(word in name for word in passing)
     }
     flags = os.environ.get("XLA_FLAGS", "")
-    return repr((source_digest(), _device_kind(), machine(), flags, settings))
+    return repr((source_digest(), _device(), machine(), flags, settings))
 
 
 def compiled(lowered: Lowered, file: Path) -> Compiled:
@@ -81,9 +81,10 @@ def load(content: bytes) -> Callable[..., Any]:
 
 
 @functools.cache
-def _device_kind() -> str:
+def _device() -> str:
+    """Kind and number of the device: of several processes each has programs for its own."""
     device = jax.local_devices()[0]
-    return f"{device.platform} {device.device_kind}"
+    return f"{device.platform} {device.device_kind} {device.id}"
 
 
 def _write(file: Path, program: Compiled) -> None:

@@ -149,7 +149,7 @@ def solve_and_refly_loosely(scenario):
 
 @pytest.mark.parametrize(
     ("target", "rate"),
-    [(-170.0, 2.7), pytest.param(-110.0, 3.5, marks=pytest.mark.slow)],
+    [(-170.0, 2.7), pytest.param(-110.0, 3.5, marks=[pytest.mark.slow, pytest.mark.optimised])],
 )
 def test_momentum_that_makes_the_long_way_cheaper_is_used(target, rate):
     # The body already turns about x, away from its target but on round to it: coasting all the
@@ -196,6 +196,7 @@ def test_wheel_speed_limits_hold_in_flight():
 
 
 @pytest.mark.slow  # compiles the programme in stages with speed limits, for itself alone
+@pytest.mark.optimised
 def test_a_speed_limit_that_nothing_can_meet_is_said_to_be_in_the_way():
     limited = {"vehicle.wheels.speed_limit_rad_s": 1.0, "solver.starts": 8}
     result = jaxatt.solve(changed(limited))
@@ -216,6 +217,7 @@ def test_forbidden_windows_stay_empty():
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_three_wheels_are_enough():
     result = solve_and_refly(
         changed(
@@ -231,6 +233,7 @@ def test_three_wheels_are_enough():
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_spinning_wheels_and_a_turning_body():
     rng = np.random.default_rng(8)
     result = solve_and_refly(

@@ -34,7 +34,10 @@ def with_number(scenario, name, value):
     return jaxatt.scenarios.from_mapping(document)
 
 
-@pytest.fixture(scope="module", params=["toy", pytest.param("turn", marks=pytest.mark.slow)])
+@pytest.fixture(
+    scope="module",
+    params=["toy", pytest.param("turn", marks=[pytest.mark.slow, pytest.mark.optimised])],
+)
 def found(request):
     scenario, names = NAMES[request.param]
     answer = sensitive_answer(scenario)

@@ -257,6 +257,7 @@ def test_killed_twice_it_ends_with_the_same_store(whole: Path, tmp_path: Path) -
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_killed_at_random_moments_it_ends_with_the_same_store(tmp_path: Path) -> None:
     many = TOY.replace("count = 3", "count = 40").replace("chunk = 2", "chunk = 1")
     (tmp_path / "toy.toml").write_text(many)

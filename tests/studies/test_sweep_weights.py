@@ -22,6 +22,7 @@ def weights() -> np.ndarray:
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_weights_of_two_scenarios(tmp_path: Path, weights) -> None:
     names = ["mrp-k3-rk4", "mrp-k4-rk4"]
     study = {

@@ -195,6 +195,7 @@ def test_derivatives_are_those_of_slsqp_solving_again(case):
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_a_later_phase_begins_where_it_is_told():
     scenario = short("hypso1-path-two", WHEELS)
     turned = short("hypso1-path-two", {"initial.attitude_deg": [31.0, 44.0, 15.0]})

@@ -92,6 +92,7 @@ def test_derivatives_are_those_of_the_programme():
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_only_second_derivatives_of_small_torques_are_left_out():
     found = errors(task_with("energy", "reach", disturbed=True), 4)
     assert found[:, :3].max() < 1e-5

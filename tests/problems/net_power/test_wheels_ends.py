@@ -11,7 +11,7 @@ import jaxatt
 from jaxatt import scenarios
 from jaxatt.problems.net_power.record import net_power
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.optimised]
 
 TURN = tomllib.loads(scenarios.text("hypso1-netpower"))
 PLAN = tomllib.loads(scenarios.text("hypso2-orbit"))

@@ -78,6 +78,7 @@ def test_a_start_from_torques_obeys_the_dynamics_and_the_margins(manoeuvre):
 
 
 @pytest.mark.slow
+@pytest.mark.optimised
 def test_a_long_manoeuvre_earns_as_much_as_its_shorter_one(manoeuvre):
     long = replace(manoeuvre, intervals=8 * manoeuvre.intervals)
     found = [flown_again(m, search_wheels([m], 3, 0)[0]) for m in (manoeuvre, long)]
