@@ -13,7 +13,6 @@ from jax import Array
 from jaxatt.runtime.arrays import Floats
 from jaxatt.runtime.compilation import Routine
 from jaxatt.runtime.lengths import rounded_up
-from jaxatt.runtime.settings import RUNS_ONCE
 
 _AMPLITUDE = 0.003
 _SPREAD = 1.5
@@ -42,7 +41,7 @@ def _draw_normals(count: int, length: int, seed: int) -> Array:
     )
 
 
-_normals = Routine(_draw_normals, statics=2, options=RUNS_ONCE)
+_normals = Routine(_draw_normals, statics=2)
 
 
 def draw(
