@@ -123,7 +123,7 @@ def test_long_axes_are_scaled_with_a_note():
         ({"axes": [[1, 2, 3], [0, 0, 0], [0, 0, 0]]}, ["span 1"]),
         ({"axes": np.diag([1.0, 1.0, 0.0])}, ["wheel 3", "(0, 0, 0)"]),
         ({"axes": np.diag([1.0, 1.0, np.nan])}, ["axes", "finite"]),
-        ({"axes": "xyz"}, ["axes", "real numbers"]),
+        ({"axes": "xyz"}, ["axes", "is a text", "without quotes"]),
         ({"axes": [[1, 0, 0], [0, 1], [0, 0, 1]]}, ["axes", "equal length"]),
         ({"inertia": 0.0}, ["inertia", "greater than 0"]),
         ({"inertia": [1e-4, 1e-4, -1e-4, 1e-4]}, ["inertia", "-0.0001"]),
