@@ -18,34 +18,6 @@ def batch_last(function: Callable[..., Any]) -> Callable[..., Any]:
     from, while products of large matrices around them want the axis first.
     """
 
-    def rule(flat: Callable[..., Any], size: int, moved: list[bool], leaves: list[Array]) -> Any:
-        last = [jnp.moveaxis(x, 0, -1) if m else x for x, m in zip(leaves, moved, strict=True)]
-        axes = [-1 if m else None for m in moved]
-        return jax.vmap(flat, in_axes=axes, out_axes=-1)(*last)
-
-    return _with_rule(function, rule)
-
-
-def batch_in_last_axis(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a function of arrays that may all have one more axis behind their own, a batch.
-
-    `jax.vmap` then calls it once, with the batch there, in place of tracing it anew: its own rules
-    put the axis first inside every loop.
-    """
-
-    def rule(flat: Callable[..., Any], size: int, moved: list[bool], leaves: list[Array]) -> Any:
-        last = [
-            jnp.moveaxis(x, 0, -1) if m else jnp.broadcast_to(x[..., None], (*x.shape, size))
-            for x, m in zip(leaves, moved, strict=True)
-        ]
-        return flat(*last)
-
-    return _with_rule(function, rule)
-
-
-def _with_rule(function: Callable[..., Any], rule: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap a function so that `jax.vmap` calls a rule, which gives results with the batch last."""
-
     def call(*args: Any) -> Any:
         leaves, tree = jax.tree.flatten(args)
 
@@ -56,8 +28,10 @@ def _with_rule(function: Callable[..., Any], rule: Callable[..., Any]) -> Callab
 
         @batched.def_vmap
         def _(size: int, moved: list[bool], *leaves: Array) -> Any:
-            last = rule(flat, size, moved, leaves)
-            first = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), last)
+            last = [jnp.moveaxis(x, 0, -1) if m else x for x, m in zip(leaves, moved, strict=True)]
+            axes = [-1 if m else None for m in moved]
+            found = jax.vmap(flat, in_axes=axes, out_axes=-1)(*last)
+            first = jax.tree.map(lambda x: jnp.moveaxis(x, -1, 0), found)
             return first, jax.tree.map(lambda _: True, first)
 
         return batched(*leaves)

@@ -1,8 +1,6 @@
-"""Riccati recursion of a Newton step, for one start or for a batch of them in the last axis.
+"""Riccati recursion of a Newton step, for many starts side by side.
 
-All arrays may have one more axis behind those that are named, the same for all: a batch of starts.
-XLA does not keep it there by itself: inside a loop `jax.vmap` puts it first, and stages of seven by
-eleven numbers are then work for no vector unit.
+All arrays have one more axis behind those that are named, of lanes (`jaxatt.optimize.lanes`).
 """
 
 from __future__ import annotations
@@ -12,6 +10,7 @@ from typing import NamedTuple
 import jax.numpy as jnp
 from jax import Array, lax
 
+from jaxatt.optimize.lanes import computed_once
 from jaxatt.optimize.riccati.recursion import eliminated, product
 
 
@@ -60,17 +59,12 @@ def backwards(stages: Stages, end: Array) -> Backwards:
         curving = value[:, :n]
         return product(curving, dynamics), value[:, n] + times(curving, gap)
 
-    def nothing(value: Array, dynamics: Array, gap: Array) -> tuple[Array, Array]:
-        return jnp.zeros_like(dynamics), jnp.zeros_like(gap)
-
     def stage(
         carry: tuple[Array, Array], inputs: tuple[Stages, Array]
     ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
         value, least = carry
         (dynamics, hessian, gradient, gap), index = inputs
-        # A condition that always holds: XLA would compute the first product again for every use
-        # in the second one, seven times the work, and takes a branch for what it is.
-        pushed, pull = lax.cond(index >= 0, ahead, nothing, value, dynamics, gap)
+        pushed, pull = computed_once(ahead, index >= 0)(value, dynamics, gap)
         turned = jnp.swapaxes(dynamics, 0, 1)
         hessian = hessian + product(turned, pushed)
         gradient = gradient + times(turned, pull)
@@ -116,6 +110,8 @@ def solved(stages: Stages, end: Array, costate: Array, free_start: int) -> Newto
     free_start : number of last coordinates of the first state that are free.
     """
     n = end.shape[0]
+    lanes = jnp.broadcast_shapes(*(leaf.shape[-1:] for leaf in (*stages, end, costate)))
+    end, costate = (jnp.broadcast_to(leaf, (*leaf.shape[:-1], *lanes)) for leaf in (end, costate))
     back = backwards(stages, end)
     begin, least = jnp.zeros_like(costate), back.pivot
     if free_start:

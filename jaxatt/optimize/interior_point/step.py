@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.optimize.batch_last import batch_in_last_axis
 from jaxatt.optimize.interior_point.crossover import Pairs
 from jaxatt.optimize.interior_point.model import Bounded, Model
 from jaxatt.optimize.interior_point.recursion import Stages, solved
+from jaxatt.optimize.lanes import in_lanes
 
 _LEAST_PIVOT = 1e-11
 
@@ -96,9 +97,8 @@ def newton_step(
     shifted = diagonal + (shift * curved)[None]
     curving = hessian + shifted[..., None] * jnp.eye(width, dtype=dtype)[None]
     stages = Stages(model.dynamics, curving, gradient, model.gap)
-    x, end, u, costates, least = batch_in_last_axis(
-        lambda stages, value, costate: solved(stages, value, costate, free_start)
-    )(stages, end_value, model.costate)
+    recursion = in_lanes(functools.partial(solved, free_start=free_start))
+    x, end, u, costates, least = recursion(stages, end_value, model.costate)
     moved = jnp.concatenate([x, u], axis=1)
     costates = model.costates + costates
     slack_step = Bounded(

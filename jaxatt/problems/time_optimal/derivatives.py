@@ -141,7 +141,11 @@ class IntervalDerivatives:
         slope: dict[tuple[int, int], Array] = {}
         for i in range(3):
             for j in range(3):
-                slope[i, j] = sum(chart[i][k] * rotation[k][j] for k in range(3))
+                slope[i, j] = (
+                    chart[i][0] * rotation[0][j]
+                    + chart[i][1] * rotation[1][j]
+                    + chart[i][2] * rotation[2][j]
+                )
             by_y = 2.0 * (chart[i][0] * rates[0] + chart[i][1] * rates[1] + chart[i][2] * rates[2])
             slope |= self._by_drive(i, by_y, y, p)
         for i in range(spin):
@@ -171,9 +175,8 @@ class IntervalDerivatives:
         """
         spin, length = self.spin, 3 + self.spin + self.impulses
         found = {(row, 3 + i): by_y[i] for i in range(spin)}
-        found[row, length] = sum(
-            (1.0 if k < spin else 2.0) * y[k] * by_y[k] for k in range(y.shape[0])
-        )
+        degrees = [1.0] * spin + [2.0] * (y.shape[0] - spin)
+        found[row, length] = jnp.asarray(sum(d * y[k] * by_y[k] for k, d in enumerate(degrees)))
         by_u = self._by_controls(p, by_y[spin:])
         return found | {(row, length + 1 + j): by_u[j] for j in range(self.size)}
 

@@ -72,13 +72,14 @@ def crossed(v: Vector, a: Matrix) -> Matrix:
 
 
 def on_rows(a: Matrix, rows: Rows) -> list[Array]:
-    """Product of a matrix and three rows (n,)."""
-    return [a.rows[i].x * rows[0] + a.rows[i].y * rows[1] + a.rows[i].z * rows[2] for i in range(3)]
+    """Product of a matrix and three rows (n,); all may have the same axes more, behind."""
+    return [along_rows(row, rows) for row in a.rows]
 
 
 def along_rows(v: Vector, rows: Rows) -> Array:
-    """Product v' and three rows (n,)."""
-    return jnp.asarray(v.x * rows[0] + v.y * rows[1] + v.z * rows[2])
+    """Product v' and three rows (n,); all may have the same axes more, behind."""
+    x, y, z = (jnp.asarray(part)[None] for part in v.parts)
+    return x * rows[0] + y * rows[1] + z * rows[2]
 
 
 class Turn(NamedTuple):
