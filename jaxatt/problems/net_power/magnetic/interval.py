@@ -367,7 +367,9 @@ class MagneticInterval:
             turns = [moved[k] for k in range(3)]
             return None, tuple(_by(weight, part) for part in on_rows(bent, turns))
 
-        drawn = 2.0 * length * scale * p.dipole_power
-        dipoles = sum(_by(drawn[k], unit[7 + k])[:, None] * unit[7 + k][None] for k in range(3))
+        dipoles = jnp.zeros((WIDTH, WIDTH, 1))
+        for k, row in enumerate(unit[7:]):
+            paid = 2.0 * length * scale * p.dipole_power[k]
+            dipoles = dipoles + _by(paid, row)[:, None] * row[None]
         pulled = lax.scan(point, None, (rows, at, moved, seen))[1]
         return dipoles + _products(moved, pulled)
