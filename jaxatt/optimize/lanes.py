@@ -91,11 +91,13 @@ def computed_once(function: Callable[..., Any], always: Array) -> Callable[..., 
     but that only the loop knows, e.g. that its index is not negative.
     """
 
+    traced = jax.jit(function, inline=True)  # once, for both uses of it here
+
     def nothing(*args: Any) -> Any:
-        shapes = jax.eval_shape(function, *args)
+        shapes = jax.eval_shape(traced, *args)
         return jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
 
     def call(*args: Any) -> Any:
-        return lax.cond(always, function, nothing, *args)
+        return lax.cond(always, traced, nothing, *args)
 
     return call

@@ -18,8 +18,10 @@ from jaxatt.problems.net_power.magnetic.blocks import (
     transposed,
     turn,
 )
-from jaxatt.problems.net_power.magnetic.interval import MOVING, WIDTH, Expansion, MagneticInterval
+from jaxatt.problems.net_power.magnetic.expansion import Expansion
+from jaxatt.problems.net_power.magnetic.interval import MagneticInterval
 from jaxatt.problems.net_power.magnetic.parameters import MagneticForm, MagneticParameters
+from jaxatt.problems.net_power.magnetic.rows import MOVING, WIDTH
 
 
 class StageDerivatives:
