@@ -6,7 +6,7 @@ import jax
 
 from jaxatt.runtime.chunks import ACCELERATOR_CHUNK, share_of
 
-_STAGES = 512
+_STAGES = 640
 """Stages side by side that keep a core busy; more of them leave its cache."""
 
 _MOST = 8

@@ -15,6 +15,8 @@ from jaxatt.optimize.interior_point.recursion import Stages, solved
 from jaxatt.optimize.lanes import in_lanes
 
 _LEAST_PIVOT = 1e-11
+_MANY_ROWS = 8
+"""From more rows on a product of matrices is faster than a sum of rank-one products."""
 
 
 class Step(NamedTuple):
@@ -39,6 +41,8 @@ class Step(NamedTuple):
 
 def weighted(slope: Array, weight: Array) -> Array:
     """Product slope' diag(weight) slope, (..., z, z), as a sum of rank-one products."""
+    if slope.shape[-2] > _MANY_ROWS:
+        return jnp.swapaxes(slope, -1, -2) @ (weight[..., None] * slope)
     shape = (*slope.shape[:-2], slope.shape[-1], slope.shape[-1])
     total = jnp.zeros(shape, slope.dtype)
     for k in range(slope.shape[-2]):

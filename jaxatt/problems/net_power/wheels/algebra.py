@@ -42,14 +42,21 @@ def symmetric_product(left: Sequence[Array], right: Sequence[Array]) -> Array:
 
     left, right : stacks (r, z) of rows.  One product of matrices, which XLA does not take apart:
     from sums of rank-one products it makes one loop that computes all rows again for every entry.
+    Each stack is turned by itself: the transpose of the whole would become part of the product,
+    which is then several times slower.
     """
-    half = jnp.concatenate(left).T @ jnp.concatenate(right)
+    half = jnp.concatenate([rows.T for rows in left], axis=1) @ jnp.concatenate(right)
     return half + half.T
 
 
 def times_rows(matrix: Array | Matrix3, rows: Components) -> Components:
     """Product of a matrix (3, 3) with three rows."""
     return tuple(m[0] * rows[0] + m[1] * rows[1] + m[2] * rows[2] for m in matrix)
+
+
+def stacked(matrix: Matrix3) -> Array:
+    """Array (r, c) of a matrix in scalars, put together in one go."""
+    return jnp.stack([entry for row in matrix for entry in row]).reshape(len(matrix), -1)
 
 
 def inverse(value: Array) -> Array:

@@ -21,12 +21,12 @@ from jax import Array
 
 from jaxatt.problems.net_power.wheels import coordinates as at
 from jaxatt.problems.net_power.wheels.algebra import (
-    Matrix3,
     combined,
     composed,
     dot,
     inverse,
     skew,
+    stacked,
     symmetric_product,
     times_rows,
 )
@@ -54,7 +54,8 @@ def lagrangian_hessian(
     # What is paid: the charge's costate pays for the cost once more.
     paid = 1.0 - costate[form.error_size - 1] if form.charge else jnp.ones_like(h)
     force, turn = at.parts(at.product(kept.chart.T, costate[:3])), at.parts(kept.turn)
-    turning = _three(kept.turning)
+    by_end, by_rates = kept.motion[:3], kept.motion[3:]
+    turning = at.parts(by_end)
     # Of the exponential: (e x (r x e)) / 12.
     along = dot(force, turn) / 6.0
     bend = [
@@ -65,15 +66,15 @@ def lagrangian_hessian(
     by_turn = times_rows(kept.back.T, cross(turning, half))
     curved = {pair: paid * kept.sunlit[k] for k, pair in enumerate(PAIRS)}
     pressed = added(force, cross(turn, half))
-    left, right = [kept.turning], []
+    left, right = [by_end], []
     if form.momentum != "zero":
         of = _momentum(rows, x, h, p, pressed)
-        seen = of.seen @ kept.rates
-        by_turn = added(by_turn, cross(_three(seen), of.total))
+        seen = of.seen @ by_rates
+        by_turn = added(by_turn, cross(at.parts(seen), of.total))
         if form.torqued:
             carried = rows.carried(at.quaternion(x), p)
-            by_turn = added(by_turn, cross(of.early, carried))
-            left.append(jnp.stack(carried))
+            by_turn = added(by_turn, cross(of.early, at.parts(carried)))
+            left.append(carried)
             right.append(seen)
         # M' = M x omega by the rate alone, with the turn over h for the rate.
         level, stiff = dot(of.far, of.total), 0.5 * inverse(h)
@@ -86,14 +87,13 @@ def lagrangian_hessian(
         for i, j in PAIRS:
             value = 0.5 * (of.early[i] * of.total[j] + of.total[i] * of.early[j])
             curved[i, j] = curved[i, j] + (value - level if i == j else value)
-    wound = _stacked(skew(times(h / 12.0, pressed)))
-    turned = jnp.concatenate([0.5 * _stacked(bend), wound, -wound], axis=1)
+    wound = stacked(skew(times(h / 12.0, pressed)))
+    turned = jnp.concatenate([0.5 * stacked(bend), wound, -wound], axis=1)
     # Products of matrices: what they take in is there once, and not computed again by XLA.
-    right.insert(0, turned @ jnp.concatenate([kept.turning, kept.rates]))
+    right.insert(0, turned @ kept.motion)
     facing = [[0.5 * curved[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
-    at_turn = [by_turn[i] + rows.row(turn=jnp.stack(facing[i])) for i in range(3)]
-    left.append(jnp.eye(3, rows.width))
-    right.append(jnp.stack(at_turn))
+    left.append(rows.turn)
+    right.append(jnp.stack(by_turn) + rows.block(turn=stacked(facing)))
     for own, weighed in _of_dipoles(rows, stage, p, paid, kept):
         left.append(own)
         right.append(weighed)
@@ -102,7 +102,7 @@ def lagrangian_hessian(
         left.append(own)
         right.append(paid * weighed)
     effort = 2.0 * stage.paid * p.effort / p.energy_scale
-    of_torques = jnp.diag(rows.row(torques=jnp.ones(form.wheels) * effort))
+    of_torques = jnp.diag(rows.block(torques=jnp.ones(form.wheels) * effort))
     return symmetric_product(left, right) + of_torques
 
 
@@ -143,7 +143,7 @@ def _momentum(
     # By the middle the change of the momentum has turned with the body.
     late = combined((-1.0, skew(far)), (-0.5 * h, composed(skew(omega), skew(far))))
     first = combined((-h / 6.0, skew(early)), (0.5, late))
-    seen = jnp.concatenate([_stacked(first), 0.5 * _stacked(late)], axis=1)
+    seen = jnp.concatenate([stacked(first), 0.5 * stacked(late)], axis=1)
     return _Momentum(total, early, far, seen)
 
 
@@ -160,14 +160,6 @@ def _of_dipoles(
     if form.dipoles:
         lost = paid * stage.paid * p.dipole_loss * p.dipole_limit**2 / p.energy_scale
         ways = jnp.concatenate([jnp.eye(3), -jnp.eye(3)], axis=1)
-        each = jnp.stack([rows.row(dipoles=ways[i]) for i in range(3)])
+        each = rows.block(dipoles=ways)
         return [(each, lost[:, None] * each)]
     return []
-
-
-def _three(rows: Array) -> Components:
-    return rows[0], rows[1], rows[2]
-
-
-def _stacked(matrix: Matrix3) -> Array:
-    return jnp.stack([jnp.stack(row) for row in matrix])

@@ -42,7 +42,7 @@ def interval_cost(
         cost = cost + jnp.sum(loss * decided**2)
         lost = 2.0 * loss * decided * p.dipole_limit
         dipoles = jnp.concatenate([each + lost, each - lost])
-    slope = rows.row(turn=weight * jnp.stack(gradient), powers=powers, dipoles=dipoles)
+    slope = rows.block(turn=weight * jnp.stack(gradient), powers=powers, dipoles=dipoles)
     if form.magnetorquers == "managing":
         size = jnp.sqrt(dipole * dipole + p.rounding * p.rounding)
         cost = cost + jnp.sum(price * (size - p.rounding) + loss * dipole**2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -23,13 +24,14 @@ from jaxatt.spacecraft.wheel_motor import friction_slopes
 
 
 class Ends(NamedTuple):
-    """Both ends of an interval: coordinates y (k,) of the wheels' momentum and omega_ib (3,)
-    [rad/s], their slopes (k, z) and (3, z), and the speeds of all wheels where they matter."""
+    """Both ends of an interval: coordinates y (2, k) of the wheels' momentum and omega_ib (2, 3)
+    [rad/s], their slopes (2, k, z) and (2, 3, z), and the speeds of all wheels where they
+    matter."""
 
-    stored: tuple[Array, ...]
-    rates: tuple[Array, ...]
-    by_stored: tuple[Array, ...]
-    by_rates: tuple[Array, ...]
+    stored: Array
+    rates: Array
+    by_stored: Array
+    by_rates: Array
     turning: Turning
 
 
@@ -46,30 +48,26 @@ def ends_of(
 
     rates : (6,) [rad/s], omega_ib at the beginning and at the end.  by_rates : (6, z), by z.
     """
-    form = rows.form
-    own = jnp.eye(form.stored)
-    stored, by_stored = [], []
-    for part in (0.0 * h, h):
-        stored.append(at.stored(x, form) + part * at.product(p.to_stored, controls.scaled))
-        by_stored.append(
-            jnp.stack(
-                [rows.row(stored=own[i], torques=part * p.to_stored[i]) for i in range(form.stored)]
+
+    def one(after: Array, rate: Array, by_rate: Array) -> Ends:
+        y = at.stored(x, rows.form) + after * at.product(p.to_stored, controls.scaled)
+        by_y = rows.stored + after * rows.driven(p)
+        turning = Turning(jnp.zeros(0), jnp.zeros((0, rows.width)))
+        if rows.form.watched:
+            turning = Turning(
+                at.own_speeds(y, at.parts(rate), p), _along_z(at.own_speeds, by_y, by_rate, p)
             )
-        )
-    omega, by_omega = (rates[:3], rates[3:]), (by_rates[:3], by_rates[3:])
-    speeds, by_z = jnp.zeros((2, 0)), jnp.zeros((2, 0, rows.width))
-    if form.watched:
-        pairs = tuple(zip(stored, omega, strict=True)), tuple(zip(by_stored, by_omega, strict=True))
-        speeds = jnp.stack([at.own_speeds(y, at.parts(w), p) for y, w in pairs[0]])
-        by_z = jnp.stack([_own_slopes(dy, dw, p) for dy, dw in pairs[1]])
-    return Ends(tuple(stored), omega, tuple(by_stored), by_omega, Turning(speeds, by_z))
+        return Ends(y, rate, by_y, by_rate, turning)
+
+    after = jnp.stack([jnp.zeros_like(h), h])
+    return jax.vmap(one)(after, rates.reshape(2, 3), by_rates.reshape(2, 3, -1))
 
 
-def _own_slopes(by_stored: Array, by_rate: Array, p: WheelsParameters) -> Array:
-    def along(dy: Array, dw: Array) -> Array:
-        return at.own_speeds(dy, at.parts(dw), p)
-
-    return jax.vmap(along, in_axes=1, out_axes=1)(by_stored, by_rate)
+def _along_z(speeds: Callable[..., Array], by_y: Array, by_rate: Array, *given: Any) -> Array:
+    """Slopes (r, z) of wheel speeds, which are linear in coordinates and rates."""
+    return jax.vmap(lambda y, w: speeds(y, at.parts(w), *given), in_axes=1, out_axes=1)(
+        by_y, by_rate
+    )
 
 
 def margins(
@@ -78,62 +76,49 @@ def margins(
     """Path inequalities, their slopes, and the slopes of the wheel speeds in those of power."""
     form = rows.form
     values, slopes = [], []
-    spins = jnp.zeros((0, rows.width))
+    spins = jnp.zeros((2, 0, rows.width))
     if form.powers:
-        power, by_power, spins = _powers(rows, controls, ends, p)
-        which = jnp.eye(form.powers)
-        for i in range(form.powers):
-            paid = rows.row(powers=which[i])
-            values += [
-                controls.powers[i] - p.taken * power[i],
-                controls.powers[i] + p.returned * power[i],
-            ]
-            slopes += [paid - p.taken * by_power[i], paid + p.returned * by_power[i]]
+        power, by_power, spins = jax.vmap(lambda end: _power(rows, controls, end, p))(ends)
+        paid, power = rows.block(powers=jnp.eye(form.powers)), power.reshape(-1)
+        by_power = by_power.reshape(-1, rows.width)
+
+        def magnitude(price: Array) -> tuple[Array, Array]:
+            return controls.powers + price * power, paid + price * by_power
+
+        # Both rows of one power follow each other.
+        value, slope = jax.vmap(magnitude, out_axes=1)(jnp.stack([-p.taken, p.returned]))
+        values.append(value.reshape(-1))
+        slopes.append(slope.reshape(-1, rows.width))
     if form.charge:
-        values.append(x[-1] - p.floor)
-        slopes.append(rows.row(charge=jnp.ones(1)))
-    limits = limit_rows(ends.turning.speeds, controls.scaled, p, form)
-    if not values and not limits:
+        values.append((x[-1] - p.floor)[None])
+        slopes.append(rows.block(charge=jnp.ones((1, 1))))
+    values += limit_rows(ends.turning.speeds, controls.scaled, p, form)
+    slopes += limit_slopes(rows, ends.turning, p)
+    if not values:
         return jnp.zeros(0), jnp.zeros((0, rows.width)), spins
-    stacked = ([jnp.stack(values)], [jnp.stack(slopes)]) if values else ([], [])
-    return (
-        jnp.concatenate([*stacked[0], *limits]),
-        jnp.concatenate([*stacked[1], *limit_slopes(rows, ends.turning, p)]),
-        spins,
-    )
+    return jnp.concatenate(values), jnp.concatenate(slopes), spins
 
 
-def _powers(
-    rows: Rows, controls: at.Controls, ends: Ends, p: WheelsParameters
-) -> tuple[Array, list[Array], Array]:
-    """Powers (m,) over `power_scale` at both ends, their slopes, and those of the wheel speeds."""
-    form = rows.form
-    each = jnp.eye(form.wheels)
-    powers, by_power, spins = [], [], []
-    for end, (y, omega, by_y, by_omega) in enumerate(zip(*ends[:4], strict=True)):
-        torque = at.motor_torque(y, at.parts(omega), controls.scaled, p, form)
-        speeds = at.wheel_speeds(y, at.parts(omega), p, form)
-        by_z = jax.vmap(
-            lambda dy, dw: at.wheel_speeds(dy, at.parts(dw), p, form), in_axes=1, out_axes=1
-        )(by_y, by_omega)
-        spins.append(by_z)
-        powers.append(at.wheel_power(y, at.parts(omega), controls.scaled, p, form))
-        rubbed = jnp.zeros((form.wheels, 0))
-        if form.rubbing:
-            slope = p.torque_limit * friction_slopes(p.motors, ends.turning.speeds[end])[0]
-            rubbed = (slope * met(speeds, p, form))[:, None] * ends.turning.by_z[end]
-        if form.power == "body":
-            pushed = at.product(p.axes, torque)
-            by = pushed[0] * by_z[0] + pushed[1] * by_z[1] + pushed[2] * by_z[2]
-            direct = met(speeds, p, form) * p.torque_limit
-            by = by + rows.row(torques=direct)
-            by_power.append((by + jnp.sum(rubbed, axis=0) if form.rubbing else by) / p.power_scale)
-            continue
-        for i in range(form.wheels):
-            direct = p.torque_limit[i] * speeds[i] * each[i]
-            by = torque[i] * by_z[i] + rows.row(torques=direct)
-            by_power.append((by + rubbed[i] if form.rubbing else by) / p.power_scale)
-    return jnp.concatenate(powers), by_power, jnp.concatenate(spins)
+def _power(
+    rows: Rows, controls: at.Controls, end: Ends, p: WheelsParameters
+) -> tuple[Array, Array, Array]:
+    """Powers (c,) over `power_scale` at one end, their slopes (c, z), and those of the wheel
+    speeds (r, z)."""
+    form, omega = rows.form, at.parts(end.rates)
+    torque = at.motor_torque(end.stored, omega, controls.scaled, p, form)
+    power = at.wheel_power(end.stored, omega, controls.scaled, p, form)
+    speeds = met(at.wheel_speeds(end.stored, omega, p, form), p, form)
+    spins = _along_z(at.wheel_speeds, end.by_stored, end.by_rates, p, form)
+    # What accelerates a wheel, and what friction takes.
+    by_torque = speeds[:, None] * rows.block(torques=jnp.diag(p.torque_limit))
+    if form.rubbing:
+        slope = p.torque_limit * friction_slopes(p.motors, end.turning.speeds)[0]
+        by_torque = by_torque + (slope * speeds)[:, None] * end.turning.by_z
+    if form.power == "body":
+        pushed = at.product(p.axes, torque)
+        by = jnp.sum(pushed[:, None] * spins, axis=0) + jnp.sum(by_torque, axis=0)
+        return power, by[None] / p.power_scale, spins
+    return power, (torque[:, None] * spins + by_torque) / p.power_scale, spins
 
 
 def met(speeds: Array, p: WheelsParameters, form: WheelsForm) -> Array:
@@ -162,29 +147,22 @@ def path_hessian(
 
 def _bent_powers(rows: Rows, x: Array, p: WheelsParameters, dual: Array, kept: Any) -> Array:
     form = rows.form
-    n = form.wheels
-    weight = [
-        (dual[2 * i + 1] * p.returned - dual[2 * i] * p.taken) / p.power_scale
-        for i in range(form.powers)
-    ]
+    price = jnp.stack([-p.taken, p.returned]) / p.power_scale
+    weight = jnp.reshape(at.product(dual[: 2 * form.powers].reshape(-1, 2), price), (2, -1))
+    felt = weight[0][:, None] * kept.spins[0] + weight[1][:, None] * kept.spins[1]
+    by_torque = jnp.diag(p.torque_limit)
     if form.power == "body":
-        pushed = [rows.row(torques=p.axes[k] * p.torque_limit) for k in range(3)]
-        felt = [weight[0] * kept.spins[k] + weight[1] * kept.spins[3 + k] for k in range(3)]
-    else:
-        own = jnp.eye(n)
-        pushed = [rows.row(torques=own[k] * p.torque_limit[k]) for k in range(n)]
-        felt = [weight[k] * kept.spins[k] + weight[n + k] * kept.spins[n + k] for k in range(n)]
-    left, right = [jnp.stack(pushed)], [jnp.stack(felt)]
+        by_torque = p.axes @ by_torque
+    left, right = [rows.block(torques=by_torque)], [felt]
     if form.rubbing:
         for end in range(2):
             speeds, by_z = kept.wheels.speeds[end], kept.wheels.by_z[end]
             slope, bend = (p.torque_limit * part for part in friction_slopes(p.motors, speeds))
+            met_speeds, met_by_z = speeds, by_z
             if form.power == "body":
                 across = p.axes.T @ p.axes
-                multiplied, faster = weight[end] * across @ speeds, weight[end] * across @ by_z
-            else:
-                share = jnp.stack(weight[end * n : end * n + n])
-                multiplied, faster = share * speeds, share[:, None] * by_z
+                met_speeds, met_by_z = across @ speeds, across @ by_z
+            bent = 0.5 * bend * weight[end] * met_speeds
             left.append(by_z)
-            right.append(slope[:, None] * faster + (0.5 * bend * multiplied)[:, None] * by_z)
+            right.append((slope * weight[end])[:, None] * met_by_z + bent[:, None] * by_z)
     return symmetric_product(left, right)

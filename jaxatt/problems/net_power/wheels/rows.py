@@ -5,7 +5,7 @@ from __future__ import annotations
 import jax.numpy as jnp
 from jax import Array
 
-from jaxatt.problems.net_power.wheels.algebra import matrix_product
+from jaxatt.problems.net_power.wheels.algebra import back, matrix_product, stacked
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.interval import Course
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
@@ -53,7 +53,10 @@ class Directions:
 
 
 class Rows:
-    """Rows by z of a form, and the directions along which its intervals are differentiated."""
+    """Rows by z of a form, and the directions along which its intervals are differentiated.
+
+    Blocks of rows that only parameters go into are made once for all intervals and starts.
+    """
 
     def __init__(self, form: WheelsForm):
         self.form = form
@@ -64,7 +67,7 @@ class Rows:
         """Number of coordinates of z."""
         return self.form.error_size + self.form.controls
 
-    def row(
+    def block(
         self,
         *,
         turn: Array | None = None,
@@ -75,7 +78,7 @@ class Rows:
         powers: Array | None = None,
         dipoles: Array | None = None,
     ) -> Array:
-        """One row (z,); parts that are None are zero."""
+        """Rows (r, z), or one row (z,); parts that are None are zero."""
         form = self.form
         parts = (
             (turn, 3),
@@ -86,38 +89,40 @@ class Rows:
             (powers, form.powers),
             (dipoles, form.dipoles),
         )
+        above = next(part.shape[:-1] for part, _ in parts if part is not None)
         return jnp.concatenate(
-            [jnp.zeros(size) if part is None else part for part, size in parts if size]
+            [jnp.zeros((*above, size)) if part is None else part for part, size in parts if size],
+            axis=-1,
         )
 
-    def by_z(self, tangent: Array, p: WheelsParameters, to_slope: Array) -> Array:
-        """Derivative (z,) from those along the directions, (directions,)."""
-        form, first = self.form, self.directions.first
+    @property
+    def turn(self) -> Array:
+        """Turn of the body at the beginning by z, (3, z)."""
+        return jnp.eye(3, self.width)
 
-        def of(name: str) -> Array:
-            return tangent[first[name] : first[name] + 3]
+    @property
+    def stored(self) -> Array:
+        """Coordinates of the wheels' momentum at the beginning by z, (k, z)."""
+        return self.block(stored=jnp.eye(self.form.stored))
 
-        def through(name: str, matrix: Array) -> Array:
-            found = of(name)
-            return found[0] * matrix[0] + found[1] * matrix[1] + found[2] * matrix[2]
+    def driven(self, p: WheelsParameters) -> Array:
+        """Derivative of these in time by z, (k, z) [1/s]."""
+        return self.block(torques=p.to_stored)
 
-        dipoles = None
+    def directions_by_z(self, p: WheelsParameters) -> Array:
+        """What the directions are by z, (directions, z)."""
+        form, parts = self.form, []
+        if form.momentum != "zero":
+            parts.append(self.turn)
+        parts.append(self.block(stored=p.to_rate))
+        parts.append(self.block(torques=matrix_product(p.to_rate, p.to_stored)))
+        if form.torqued:
+            parts.append(self.block(total=p.momentum_scale * jnp.eye(3)))
         if form.dipoles:
-            by_dipole = of("dipole") * p.dipole_limit
-            dipoles = jnp.concatenate([by_dipole, -by_dipole])
-        return self.row(
-            turn=of("turn") if "turn" in first else None,
-            stored=through("lost", p.to_rate) if form.each else of("lost"),
-            torques=through("slope", to_slope),
-            total=p.momentum_scale * of("total") if form.torqued else None,
-            dipoles=dipoles,
-        )
+            limit = jnp.diag(p.dipole_limit)
+            parts.append(self.block(dipoles=jnp.concatenate([limit, -limit], axis=1)))
+        return jnp.concatenate(parts)
 
-    def carried(self, q: Components, p: WheelsParameters) -> Components:
-        """Momentum in body axes by the total one where that is carried, three rows in z."""
-        own = p.momentum_scale * jnp.eye(3)
-        return to_body(q, tuple(self.row(total=own[i]) for i in range(3)))
-
-    def to_slope(self, p: WheelsParameters) -> Array:
-        """Slope of the lost rate by the scaled torques, (3, n)."""
-        return matrix_product(p.to_rate, p.to_stored) if self.form.each else p.to_stored
+    def carried(self, q: Components, p: WheelsParameters) -> Array:
+        """Momentum in body axes by the total one where that is carried, (3, z)."""
+        return self.block(total=p.momentum_scale * stacked(back(q)))

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from jaxatt.problems.net_power.wheels import coordinates as at
-from jaxatt.problems.net_power.wheels.algebra import dot, symmetric_product
+from jaxatt.problems.net_power.wheels.algebra import dot, stacked, symmetric_product
 from jaxatt.problems.net_power.wheels.form import WheelsForm
 from jaxatt.problems.net_power.wheels.parameters import WheelsParameters
 from jaxatt.problems.net_power.wheels.rows import Rows
@@ -54,7 +54,7 @@ def limit_slopes(rows: Rows, turning: Turning, p: WheelsParameters) -> list[Arra
             by_z[1] / jnp.abs(p.speed_lower)[:, None],
         ]
     if form.motor_limited:
-        torques = jnp.stack([rows.row(torques=own) for own in jnp.eye(form.wheels)])
+        torques = rows.block(torques=jnp.eye(form.wheels))
         falls = jnp.asarray(p.motors.torque_fall)[:, None]
         for speeds, spins in zip(turning.speeds, by_z, strict=True):
             given = torques + friction_slopes(p.motors, speeds)[0][:, None] * spins
@@ -101,8 +101,8 @@ def limits_hessian(
             ]
             for i in range(3)
         ]
-        left.append(jnp.eye(3, rows.width))
-        right.append(jnp.stack([rows.row(turn=0.25 * jnp.stack(row)) for row in facing]))
+        left.append(rows.turn)
+        right.append(rows.block(turn=0.25 * stacked(facing)))
     if not left:
         return jnp.zeros((rows.width, rows.width))
     return symmetric_product(left, right)
