@@ -102,6 +102,10 @@ class IntervalDerivatives:
         none = jnp.zeros((), drive.dtype)
         return (-drive[0], -drive[1], -drive[2], none, none, none)
 
+    def _row(self, turn: Array, by_y: Array, impulse: Array, length: Array, u: Array) -> Array:
+        """One row in z: turn, spin, impulses, length, controls."""
+        return jnp.concatenate([turn, by_y[: self.spin], impulse, length[None], u])
+
     def linearisation(
         self, x: Array, u: Array, x_next: Array, share: Array, p: ReorientationParameters
     ) -> Linearisation:
@@ -124,61 +128,43 @@ class IntervalDerivatives:
         missing = multiply(_conjugate(tuple(x_next[i] for i in range(4))), ahead)
         scale = 1.0 / jnp.maximum(1.0 + missing[0], 1e-6)
         sigma = tuple(scale * missing[i] for i in range(1, 4))
-        none, one = jnp.zeros_like(h), jnp.ones_like(h)
-        length = 3 + spin + impulses
-        """Where the logarithm of the interval stands; the controls follow."""
-        gap = jnp.stack(
+        first = 4 + spin
+        gap = jnp.concatenate(
             [
-                *(4.0 * s for s in sigma),
-                *(spun[i] - x_next[4 + i] for i in range(spin)),
-                *(x[4 + spin + i] + h * u[i] - x_next[4 + spin + i] for i in range(impulses)),
-                x[-1] - x_next[-1],
+                jnp.stack([4.0 * s for s in sigma]),
+                spun - x_next[4:first],
+                x[first:-1] + h * u[:impulses] - x_next[first:-1],
+                x[-1:] - x_next[-1:],
             ]
         )
         chart = _chart_slope(sigma)
         rates = multiply(_conjugate(dq), tuple(turning[:, i] for i in range(4)))[1:]
         rotation = _rotation(dq)
-        slope: dict[tuple[int, int], Array] = {}
+        # By the logarithm of the length: rates and momentum go with its inverse, torques with the
+        # inverse of its square.
+        degree = jnp.concatenate([y[:spin], 2.0 * y[spin:]])
+        flat, none, zero = jnp.zeros(3, dtype), jnp.zeros(impulses, dtype), jnp.zeros((), dtype)
+        rows = []
         for i in range(3):
-            for j in range(3):
-                slope[i, j] = (
-                    chart[i][0] * rotation[0][j]
-                    + chart[i][1] * rotation[1][j]
-                    + chart[i][2] * rotation[2][j]
-                )
+            by_turn = [sum(chart[i][k] * rotation[k][j] for k in range(3)) for j in range(3)]
             by_y = 2.0 * (chart[i][0] * rates[0] + chart[i][1] * rates[1] + chart[i][2] * rates[2])
-            slope |= self._by_drive(i, by_y, y, p)
+            by_u = self._by_controls(p, by_y[spin:])
+            rows.append(self._row(jnp.stack(by_turn), by_y, none, jnp.sum(degree * by_y), by_u))
         for i in range(spin):
-            slope |= self._by_drive(3 + i, spinning[:, i], y, p)
-            slope[3 + i, length] = slope[3 + i, length] - spun[i]
+            by_y = spinning[:, i]
+            by_u = self._by_controls(p, by_y[spin:])
+            rows.append(self._row(flat, by_y, none, jnp.sum(degree * by_y) - spun[i], by_u))
+        nothing = jnp.zeros(spin, dtype)
         for i in range(impulses):
-            at = 3 + spin + i
-            slope |= {(at, at): one, (at, length): h * u[i], (at, length + 1 + i): h}
-        slope[length, length] = one
-        size = range(length + 1 + self.size)
-        entries = [slope.get((i, j), none) for i in range(length + 1) for j in size]
+            own = jnp.eye(self.size, dtype=dtype)[i]
+            rows.append(self._row(flat, nothing, own[:impulses], h * u[i], h * own))
+        still = jnp.zeros(self.size, dtype)
+        rows.append(self._row(flat, nothing, none, zero + 1.0, still))
         spent = h * (1.0 + p.effort_weight * jnp.sum((p.scale * u) ** 2))
-        paid = [2.0 * h * p.effort_weight * p.scale[j] ** 2 * u[j] for j in range(self.size)]
+        by_control = 2.0 * h * p.effort_weight * p.scale**2 * u
         return Linearisation(
-            gap,
-            jnp.stack(entries).reshape(length + 1, len(size)),
-            jnp.stack([none] * length + [spent, *paid]),
+            gap, jnp.stack(rows), self._row(flat, nothing, none, spent, by_control)
         )
-
-    def _by_drive(
-        self, row: int, by_y: Array, y: Array, p: ReorientationParameters
-    ) -> dict[tuple[int, int], Array]:
-        """Entries of a row by rate, momentum, logarithm of the length, and controls.
-
-        By that logarithm: rates and momentum go with its inverse, torques with the inverse of its
-        square.
-        """
-        spin, length = self.spin, 3 + self.spin + self.impulses
-        found = {(row, 3 + i): by_y[i] for i in range(spin)}
-        degrees = [1.0] * spin + [2.0] * (y.shape[0] - spin)
-        found[row, length] = jnp.asarray(sum(d * y[k] * by_y[k] for k, d in enumerate(degrees)))
-        by_u = self._by_controls(p, by_y[spin:])
-        return found | {(row, length + 1 + j): by_u[j] for j in range(self.size)}
 
     def lagrangian_hessian(
         self,
