@@ -61,7 +61,8 @@ class Settled(NamedTuple):
     """A point after Newton steps.
 
     system : of the conditions there; zeros where the residual is not finite.
-    residual : (), of the conditions.  passes : (), those that reduced it.
+    residual : (), of the conditions.  passes : (), those that halved it at least: what gains less
+        is rounding, for even where the matrix is singular a step leaves no more than 37 %.
     """
 
     point: Any
@@ -79,7 +80,7 @@ def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settle
         return state[-1]
 
     def onward(state: tuple[Any, ...]) -> tuple[Any, ...]:
-        best, size, point, passes, stalls, _ = state
+        best, size, point, passes, gains, stalls, _ = state
         system = system_of(point, args)
         found = conditions.residual(system, point, active)
         left = size_of(found)
@@ -88,17 +89,18 @@ def newton(conditions: Conditions, point: Any, args: Any, active: Any) -> Settle
         rounding = left <= _ROUNDING
         step = conditions.solve(system, active, jax.tree.map(jnp.negative, found))
         stalls = jnp.where(better, 0, stalls + 1)
-        goes_on = (stalls <= _MOST_STALLS) & ~rounding & (passes < _MOST_PASSES)
-        gains = goes_on & better
+        goes_on = (stalls <= _MOST_STALLS) & ~rounding & (gains < _MOST_PASSES)
+        passes = passes + (goes_on & (left < 0.5 * size))
+        gains = gains + (goes_on & better)
         size = jnp.where(better, left, size)
-        return best, size, conditions.moved(point, step), passes + gains, stalls, goes_on
+        return best, size, conditions.moved(point, step), passes, gains, stalls, goes_on
 
     shapes = jax.eval_shape(system_of, point, args)
     unknown = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     infinite = jnp.asarray(jnp.inf)
     none = jnp.zeros((), int)
-    start = ((point, unknown), infinite, point, none, none, jnp.asarray(True))
-    (kept, system), size, _, passes, _, _ = lax.while_loop(going, onward, start)
+    start = ((point, unknown), infinite, point, none, none, none, jnp.asarray(True))
+    (kept, system), size, _, passes, _, _, _ = lax.while_loop(going, onward, start)
     return Settled(kept, system, size, passes)
 
 
