@@ -40,7 +40,7 @@ class Step(NamedTuple):
 
 
 def weighted(slope: Array, weight: Array) -> Array:
-    """Product slope' diag(weight) slope, (..., z, z), as a sum of rank-one products."""
+    """Product slope' diag(weight) slope, (..., z, z)."""
     if slope.shape[-2] > _MANY_ROWS:
         return jnp.swapaxes(slope, -1, -2) @ (weight[..., None] * slope)
     shape = (*slope.shape[:-2], slope.shape[-1], slope.shape[-1])
